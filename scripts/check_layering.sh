@@ -2,7 +2,7 @@
 # A module may include only modules above it. The order is that of docs/architecture.md and design of the tree.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-modules=(core device io scene nn priors refine room synth gaussians engine metrics train mesh edit serve batch cli)
+modules=(core device io scene nn priors refine room synth gaussians engine metrics train mesh edit serve pipeline batch cli)
 
 declare -A rank
 for i in "${!modules[@]}"; do rank[${modules[$i]}]=$i; done

@@ -3,28 +3,22 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
+#include <string>
 
 #include "batch/option_words.h"
 #include "core/error.h"
-#include "io/image_file.h"
+#include "pipeline/room_memory.h"
+#include "pipeline/run_plan.h"
 #include "train/run_folder.h"
-#include "train/run_record.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A line a tenth above the largest peak that was measured per pixel (docs/batch.md): 20 photos of 640x480 with all
-// classes.
-constexpr uint64_t kFixedBytes = 400'000'000;
-constexpr uint64_t kBytesPerPixel = 450;
-constexpr uint64_t kNetworkBytes = 7'000'000'000;  // of the largest network, ViT-g Mask2Former (benchmarks/README.md)
-constexpr double kEarlierPeakFactor = 1.1;         // a second run of a room peaks within a tenth of the first
-constexpr uint64_t kLongestSide = 1600;            // pixels: larger photos are reduced by `run` before anything else
-
-/// Defaults of `demo` without --size and --views (synth/synth_options.h).
-constexpr uint64_t kSyntheticPixels = 320 * 240, kSyntheticViews = 24;
+/// Defaults of `demo` without --size and --views (synth/synth_scene.h).
+constexpr uint64_t kSyntheticPixels = 320 * 240, kSyntheticViews = 28;
 
 uint64_t number_or(const std::string& text, uint64_t otherwise) {
   uint64_t value = 0;
@@ -40,52 +34,72 @@ uint64_t synthetic_pixels(const RoomEntry& room) {
   return pixels * number_or(option_value(room.options, "--views"), kSyntheticViews);
 }
 
-uint64_t photo_pixels(const fs::path& source) {
-  std::error_code error;
-  const fs::path folder = fs::is_directory(source / "images", error) ? source / "images" : source;
-  uint64_t pixels = 0;
-  for (fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error), end;
-       entry != end; entry.increment(error)) {
-    if (!entry->is_regular_file(error)) continue;
-    try {
-      const ImageInfo info = read_image_info(entry->path());
-      const uint64_t width = static_cast<uint64_t>(info.width), height = static_cast<uint64_t>(info.height);
-      const uint64_t longest = std::max(width, height);
-      pixels +=
-          longest <= kLongestSide ? width * height : width * kLongestSide / longest * (height * kLongestSide / longest);
-    } catch (const Error&) {
-      // No picture, or one that the run will name.
-    }
+/// The last value of an option as its words have it, else what it is without it.
+std::string value_or(const RoomEntry& room, const char* name, const char* otherwise) {
+  return has_option(room.options, name) ? option_value(room.options, name) : otherwise;
+}
+
+/// Paths of options are relative to the list.
+fs::path path_or_none(const Batch& batch, const RoomEntry& room, const char* name) {
+  const std::string given = value_or(room, name, "");
+  return given.empty() ? fs::path() : batch.base() / given;
+}
+
+/// What the options of a room ask of its run, as far as its memory depends on it.
+RunRequest request_of(const BatchFolder& folder, const Batch& batch, const RoomEntry& room) {
+  RunRequest request;
+  request.source = batch.source_of(room);
+  request.train.run = folder.run(room.name);
+  request.train.resume = true;  // which begins a run where there is none
+  if (!RunFolder(request.train.run).has_run()) {
+    // Settings of a run that goes on are its own.
+    request.train.config.preset = value_or(room, "--preset", "");
+    request.train.config.config_file = path_or_none(batch, room, "--config");
   }
-  return pixels;
+  request.cameras.method = value_or(room, "--method", "auto");
+  request.cameras.model = value_or(room, "--poses-model", "");
+  request.cameras.cameras = path_or_none(batch, room, "--cameras").string();
+  request.priors.depth = value_or(room, "--depth", "auto");
+  request.priors.semantics = value_or(room, "--semantics", "auto");
+  request.photos.max_side = static_cast<int>(
+      number_or(option_value(room.options, "--max-size"), static_cast<uint64_t>(request.photos.max_side)));
+  return request;
 }
 
-/// Whether networks may find cameras or classes of the room before it is trained.
-bool may_use_networks(const Batch& batch, const RoomEntry& room) {
-  std::error_code error;
-  if (room.synthetic() || fs::exists(batch.source_of(room) / "sparse", error)) return false;
-  const std::string method = option_value(room.options, "--method");
-  return !((method == "colmap" || method == "given") && option_value(room.options, "--semantics") == "none");
+RunPlan plan_of(const RunRequest& request, const RoomEntry& room, const ModelStore& store) {
+  if (!room.synthetic()) return plan_run(request, store);
+  return plan_demo(request.train, "room", synthetic_pixels(room));
 }
 
-uint64_t earlier_peak(const fs::path& run) {
-  const RunFolder folder(run);
-  return folder.has_run() ? read_run_record(folder.record()).train.peak_memory_bytes : 0;
+/// Networks that nobody knows here.
+bool has_unknown_network(const RunPlan& plan, const RunRequest& request) {
+  if (plan.from_photos() && request.priors.semantics == "auto" && !plan.has(RunStep::kClasses)) return true;
+  return std::any_of(plan.steps.begin(), plan.steps.end(), [](const PlannedStep& step) {
+    return step.network && step.outlook != Outlook::kLeftOut && !step.memory_bytes;
+  });
 }
 
 }  // namespace
-
-uint64_t estimated_bytes(uint64_t pixels) { return kFixedBytes + kBytesPerPixel * pixels; }
 
 uint64_t predicted_room_bytes(const BatchFolder& folder, const Batch& batch, const RoomEntry& room) {
   if (const double gigabytes = std::strtod(option_value(room.options, "--memory").c_str(), nullptr); gigabytes > 0) {
     return static_cast<uint64_t>(gigabytes * 1e9);
   }
-  if (const uint64_t peak = earlier_peak(folder.run(room.name)); peak > 0)
-    return static_cast<uint64_t>(kEarlierPeakFactor * static_cast<double>(peak));
-  const uint64_t training =
-      estimated_bytes(room.synthetic() ? synthetic_pixels(room) : photo_pixels(batch.source_of(room)));
-  return may_use_networks(batch, room) ? std::max(training, kNetworkBytes) : training;
+  const RunRequest request = request_of(folder, batch, room);
+  const ModelStore store(ModelStoreOptions::from_environment(true));
+  uint64_t bytes = 0;
+  bool unknown_network = false;
+  try {
+    const RunPlan plan = plan_of(request, room, store);
+    bytes = plan.memory_bytes();
+    unknown_network = has_unknown_network(plan, request);
+  } catch (const Error& error) {
+    // The room will tell what is wrong with it. Weights or programs may be where it is worked on.
+    unknown_network = error.kind() == ErrorKind::kWeights;
+  }
+  if (bytes == 0) bytes = earlier_peak_bytes(request.train.run);
+  if (bytes == 0) bytes = estimated_training_bytes(pixels_of(sizes_of_photos(request.source, request.photos.max_side)));
+  return unknown_network ? std::max(bytes, kLargestNetworkBytes) : bytes;
 }
 
 uint64_t memory_share(uint64_t predicted, uint64_t budget, int jobs) {

@@ -3,20 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "batch/batch_folder.h"
 
 namespace aligngs {
 
-/// Bytes. The value of --memory comes first. Else the peak of an earlier run of the room counts, with a tenth more.
-/// Else it is an
-/// estimate from the number and the size of the photos.
+/// Bytes: the value of --memory, else what the plan of the room's run (pipeline/run_plan.h) expects. A network of photos
+/// that is not installed here may be installed where the room is worked on, and counts as the largest one.
 uint64_t predicted_room_bytes(const BatchFolder& folder, const Batch& batch, const RoomEntry& room);
-
-/// The estimate for so many pixels of training photos together.
-uint64_t estimated_bytes(uint64_t pixels);
 
 /// Limit of a room beside others: its part of `budget`, or its prediction where that is more; never more than `budget`.
 uint64_t memory_share(uint64_t predicted, uint64_t budget, int jobs);

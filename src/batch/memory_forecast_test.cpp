@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/image_file.h"
+#include "pipeline/room_memory.h"
 
 namespace aligngs {
 namespace {
@@ -35,17 +36,17 @@ class MemoryForecast : public testing::Test {
 };
 
 TEST_F(MemoryForecast, CountsThePixelsOfTheSource) {
-  EXPECT_EQ(predicted("photos", {"--method", "colmap", "--semantics", "none"}), estimated_bytes(2 * 40 * 30));
+  EXPECT_EQ(predicted("photos", {"--method", "colmap", "--semantics", "none"}), estimated_training_bytes(2 * 40 * 30));
 }
 
 TEST_F(MemoryForecast, PhotosWithoutCamerasMayNeedANetwork) {
   EXPECT_GT(predicted("photos"), 6 * kGigabyte);
   fs::create_directories(base_ / "photos" / "sparse");
-  EXPECT_EQ(predicted("photos"), estimated_bytes(2 * 40 * 30));
+  EXPECT_EQ(predicted("photos"), estimated_training_bytes(2 * 40 * 30));
 }
 
 TEST_F(MemoryForecast, KnowsTheSizeOfASyntheticRoom) {
-  EXPECT_EQ(predicted("demo", {"--size", "64x48", "--views", "10"}), estimated_bytes(64 * 48 * 10));
+  EXPECT_EQ(predicted("demo", {"--size", "64x48", "--views", "10"}), estimated_training_bytes(64 * 48 * 10));
 }
 
 TEST_F(MemoryForecast, TheRoomsOwnLimitCounts) { EXPECT_EQ(predicted("photos", {"--memory", "2.5"}), 2'500'000'000u); }

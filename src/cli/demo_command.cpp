@@ -4,17 +4,16 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "cli/device_option.h"
 #include "cli/help_text.h"
 #include "cli/page_server.h"
-#include "cli/stages/pipeline.h"
-#include "cli/stages/refine_stage.h"
+#include "cli/photo_options.h"
+#include "cli/plan_text.h"
+#include "cli/stages/plan_execution.h"
 #include "cli/synth_options.h"
 #include "cli/train_options.h"
-#include "core/error.h"
 #include "core/log.h"
+#include "pipeline/run_plan.h"
 #include "scene/scene_place.h"
-#include "train/run_folder.h"
 
 namespace aligngs {
 
@@ -32,28 +31,30 @@ void print_next_steps(const std::string& run) {
   std::fflush(stdout);
 }
 
-void run_demo(const CommandContext& context, const SynthCommandOptions& synth, TrainCommandOptions options) {
+void run_demo(const CommandContext& context, const SynthCommandOptions& synth, TrainCommandOptions options,
+              bool dry_run) {
   if (options.output.empty()) options.output = "demo_run";
-  const fs::path run = options.output, scene = run / "scene";
-  const RunMode mode = options.resume ? RunMode::kResume : options.overwrite ? RunMode::kOverwrite : RunMode::kNew;
-  RunFolder(run).check(mode);
   if (options.iterations == 0 && options.preset.empty() && options.config_file.empty() && !options.resume)
     options.iterations = kDemoIterations;
-  TrainOptions train = train_options(options, context);
-  const auto page = serve_while_working(options.view, options.view_port, run, scene, train.threads);
+  RunRequest request;
+  request.train = train_options(options, context);
+  request.train.resume_command = "aligngs demo -o " + options.output + " --resume";
+  const SynthOptions room = synth_options(synth);
+  const uint64_t pixels = uint64_t(room.width) * uint64_t(room.height) * uint64_t(room.views);
+  const RunPlan plan = plan_demo(request.train, room.room, pixels);
+  if (dry_run) return print_plan(plan, context.global.json);
+  const fs::path scene = plan.own_scene();
+  PlanExecutionOptions execution;
+  execution.device = options.device;
+  execution.synth = [&] {
+    log_info("making a synthetic {} with simulated priors", room.room);
+    const bool overwrite = fs::exists(scene);
+    require_scene_place(scene, overwrite);
+    write_synth_scene(make_scene(room, context), scene, overwrite);
+  };
+  const auto page = serve_while_working(options.view, options.view_port, plan.run, scene, request.train.threads);
   work_beside_page(page, [&] {
-    if (!options.resume || !fs::exists(scene)) {
-      log_info("making a synthetic {} with simulated priors", synth.synth.room);
-      const bool overwrite = fs::exists(scene);
-      require_scene_place(scene, overwrite);
-      write_synth_scene(make_scene(synth_options(synth), context), scene, overwrite);
-    }
-    const bool begun = options.resume && fs::exists(RunFolder(run).record());
-    const TrainConfig config = resolve_run(train).config;
-    if (!begun && should_refine(scene, config)) refine_into_run(scene, run, config, context);
-    train.scene = scene;
-    train.resume_command = "aligngs demo -o " + options.output + " --resume";
-    run_pipeline(train, context, fusion_of_device(options.device));
+    execute_plan(plan, request, execution, model_store(context), context);
     if (!context.global.json) print_next_steps(options.output);
   });
 }
@@ -76,7 +77,10 @@ void add_demo_command(CLI::App& program, CommandContext& context) {
   add_train_options(*command, options);
   add_refine_options(*command, options);
   add_synth_options(*command, synth);
-  command->callback([&context, options, synth] { run_demo(context, *synth, *options); });
+  auto dry_run = std::make_shared<bool>(false);
+  command->add_flag("--dry-run", *dry_run, "print the steps with their reasons, memory and time, and change nothing")
+      ->group("Checks");
+  command->callback([&context, options, synth, dry_run] { run_demo(context, *synth, *options, *dry_run); });
 }
 
 }  // namespace aligngs

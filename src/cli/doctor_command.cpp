@@ -15,7 +15,7 @@
 #include "core/version.h"
 #include "device/cuda_device.h"
 #include "nn/cpu/matrix_backend.h"
-#include "priors/camera_networks.h"
+#include "priors/teacher_list.h"
 
 namespace aligngs {
 
@@ -133,13 +133,13 @@ std::vector<Check> check_weights(const ModelStore& store) {
 
 /// The order in which `run` and `poses` look for networks, and the one that they take now.
 std::vector<Check> check_choices(const ModelStore& store) {
-  const CameraNetwork* const best = best_camera_network(store);
+  const CameraTeacher* const best = installed_camera_teacher(store);
   std::vector<Check> found = {
       {"cameras", true,
        best ? "auto takes " + best->model + ": " + best->reason : "no network is installed for --method auto",
        best ? "" : "aligngs models download recommended, or light"}};
   int place = 0;
-  for (const CameraNetwork& network : camera_networks()) {
+  for (const CameraTeacher& network : camera_teachers()) {
     const bool here = store.installed(published_model(network.model));
     found.push_back({"cameras", true,
                      fmt::format("  {}. {}: {}{}", ++place, network.model, network.reason, here ? "; installed" : ""),

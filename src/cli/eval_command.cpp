@@ -12,6 +12,7 @@
 #include "cli/stages/eval_stage.h"
 #include "cli/summary.h"
 #include "core/error.h"
+#include "metrics/metrics_json.h"
 
 namespace aligngs {
 
@@ -63,9 +64,9 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
     stage.views = !options->no_views;
     stage.refine_test_poses = !options->no_pose_fit;
     stage.progress = context.progress();
-    const nlohmann::json metrics = evaluate_run(run, stage);
+    const RunMetrics metrics = evaluate_run(run, stage);
     if (context.global.json)
-      print_json(metrics);
+      print_json(metrics_json(metrics));
     else
       std::fputs(metrics_summary(metrics).c_str(), stdout);
     require_at_least(metrics, options->fail_under);

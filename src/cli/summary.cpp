@@ -2,80 +2,85 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
-#include "metrics/semantic_metrics.h"
+#include <algorithm>
+#include <cmath>
 
 namespace aligngs {
 namespace {
 
-using Json = nlohmann::json;
-
-std::string value(const Json& object, const char* key, const char* format) {
-  if (!object.is_object() || !object.contains(key) || !object[key].is_number()) return "–";
-  return fmt::format(fmt::runtime(format), object[key].get<double>());
+std::string value(double figure, const char* format) {
+  return std::isfinite(figure) ? fmt::format(fmt::runtime(format), figure) : "–";
 }
 
-std::string percent(const Json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key) || !object[key].is_number()) return "–";
-  return fmt::format("{:.2f}", 100 * object[key].get<double>());
+std::string novel_views(const RunMetrics& m) {
+  if (!m.views_measured) return "novel views  left out\n";
+  if (m.views.empty()) return "novel views  no test views\n";
+  const auto mean = [&](double TestViewMetrics::*figure, const char* format) {
+    return value(mean_over_views(m.views, figure), format);
+  };
+  const bool lpips = std::isfinite(mean_over_views(m.views, &TestViewMetrics::lpips));
+  return fmt::format("novel views  PSNR {} dB (after colour fit {}, after pose fit {}), SSIM {}, {}{} test views\n",
+                     mean(&TestViewMetrics::psnr, "{:.2f}"), mean(&TestViewMetrics::psnr_exposure_fitted, "{:.2f}"),
+                     value(mean_over_views(m.views, &RefinedPoseMetrics::psnr), "{:.2f}"),
+                     mean(&TestViewMetrics::ssim, "{:.3f}"),
+                     lpips ? "LPIPS " + mean(&TestViewMetrics::lpips, "{:.3f}") +
+                                 " (inputs in [0, 1]: " + mean(&TestViewMetrics::lpips_unit, "{:.3f}") + "), "
+                           : "",
+                     m.views.size());
+}
+
+/// F at one of the finer distances, in metres.
+double finer_fscore(const MeshScores& scores, double threshold) {
+  for (const ThresholdScores& finer : scores.finer) {
+    if (std::abs(finer.threshold - threshold) < 1e-9) return finer.fscore;
+  }
+  return kUndefined;
+}
+
+std::string geometry(const RunMetrics& m) {
+  if (!m.geometry) return "geometry     not measured: the scene has no true mesh\n";
+  const MeshProtocolResult& headline = m.geometry->headline;
+  const MeshScores& s = headline.scores;
+  const SurfaceQuality& surface = m.geometry->surface;
+  return fmt::format(
+             "geometry     F {} at {} m (precision {}, recall {}), accuracy {} m, completeness {} m\n             "
+             "[{}]\n",
+             value(s.fscore, "{:.3f}"), value(s.threshold, "{:g}"), value(s.precision, "{:.3f}"),
+             value(s.recall, "{:.3f}"), value(s.accuracy, "{:.4f}"), value(s.completeness, "{:.4f}"),
+             protocol_text(headline)) +
+         fmt::format(
+             "surface      normals {} degrees off (median; walls, floor and ceiling {}), F {} at 2 cm, {} at 1 cm, "
+             "pinholes {} %\n",
+             value(surface.normal_error.median, "{:.1f}"), value(surface.structure_normal_error.median, "{:.1f}"),
+             value(finer_fscore(s, 0.02), "{:.3f}"), value(finer_fscore(s, 0.01), "{:.3f}"),
+             value(100 * surface.pinholes, "{:.2f}"));
+}
+
+std::string label_line(const char* name, double miou, double present, double accuracy, const char* samples) {
+  return fmt::format(
+      "{} mIoU {} over classes with at least {:g} % of the {}, {} over all classes present, accuracy {}\n", name,
+      value(miou, "{:.3f}"), 100 * kLeastClassShare, samples, value(present, "{:.3f}"), value(accuracy, "{:.3f}"));
+}
+
+std::string label_line(const char* name, const SemanticScores& s, const char* samples) {
+  return label_line(name, s.miou, s.present_miou, s.accuracy, samples);
+}
+
+std::string labels(const RunMetrics& m) {
+  if (!m.semantics && !m.mesh_labels) return "labels       not measured: no semantics or no true labels\n";
+  std::string text = m.semantics ? label_line("labels      ", *m.semantics, "pixels")
+                                 : label_line("labels      ", kUndefined, kUndefined, kUndefined, "pixels");
+  if (m.teacher) text += label_line("  teacher   ", *m.teacher, "pixels");
+  if (m.mesh_labels) text += label_line("  mesh      ", m.mesh_labels->all, "points");
+  return text;
 }
 
 }  // namespace
 
-std::string metrics_summary(const Json& metrics) {
-  std::string text;
-  const Json& nvs = metrics["nvs"];
-  if (nvs.is_null()) {
-    text += "novel views  left out\n";
-  } else if (nvs.value("views", 0) == 0) {
-    text += "novel views  no test views\n";
-  } else {
-    const bool lpips = nvs.contains("lpips") && nvs["lpips"].is_number();
-    text += fmt::format("novel views  PSNR {} dB (after colour fit {}, after pose fit {}), SSIM {}, {}{} test views\n",
-                        value(nvs, "psnr", "{:.2f}"), value(nvs["exposure_fitted"], "psnr", "{:.2f}"),
-                        value(nvs.value("pose_refined", Json()), "psnr", "{:.2f}"), value(nvs, "ssim", "{:.3f}"),
-                        lpips ? "LPIPS " + value(nvs, "lpips", "{:.3f}") +
-                                    " (inputs in [0, 1]: " + value(nvs, "lpips_unit", "{:.3f}") + "), "
-                              : "",
-                        nvs.value("views", 0));
-  }
-  const Json& geometry = metrics["geometry"];
-  if (geometry.is_null()) {
-    text += "geometry     not measured: the scene has no true mesh\n";
-  } else {
-    text += fmt::format(
-        "geometry     F {} at {} m (precision {}, recall {}), accuracy {} m, completeness {} m\n             [{}]\n",
-        value(geometry, "fscore", "{:.3f}"), value(geometry, "threshold_m", "{:g}"),
-        value(geometry, "precision", "{:.3f}"), value(geometry, "recall", "{:.3f}"),
-        value(geometry, "accuracy", "{:.4f}"), value(geometry, "completeness", "{:.4f}"),
-        geometry.value("protocol", std::string()));
-    const Json surface = geometry.value("surface", Json());
-    text += fmt::format(
-        "surface      normals {} degrees off (median; walls, floor and ceiling {}), F {} at 2 cm, {} at 1 cm, pinholes "
-        "{} %\n",
-        value(surface, "normal_error_median_deg", "{:.1f}"),
-        value(surface, "structure_normal_error_median_deg", "{:.1f}"), value(geometry, "fscore_2cm", "{:.3f}"),
-        value(geometry, "fscore_1cm", "{:.3f}"), percent(surface, "pinholes"));
-  }
-  const Json& semantics = metrics["semantics"];
-  if (semantics.is_null()) {
-    text += "labels       not measured: no semantics or no true labels\n";
-  } else {
-    const auto line = [](const char* name, const Json& scores, const char* samples) {
-      std::string words = fmt::format("{} mIoU {} over classes with at least {:g} % of the {}", name,
-                                      value(scores, "miou", "{:.3f}"), 100 * kLeastClassShare, samples);
-      if (scores.contains("present"))
-        words += fmt::format(", {} over all classes present", value(scores["present"], "miou", "{:.3f}"));
-      return words + fmt::format(", accuracy {}\n", value(scores, "accuracy", "{:.3f}"));
-    };
-    text += line("labels      ", semantics, "pixels");
-    if (semantics.contains("teacher")) text += line("  teacher   ", semantics["teacher"], "pixels");
-    if (semantics.contains("mesh")) text += line("  mesh      ", semantics["mesh"], "points");
-  }
-  const std::string priors =
-      metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
-  if (priors.find("simulated") != std::string::npos) text += "priors       simulated (" + priors + ")\n";
+std::string metrics_summary(const RunMetrics& metrics) {
+  std::string text = novel_views(metrics) + geometry(metrics) + labels(metrics);
+  if (metrics.priors.find("simulated") != std::string::npos)
+    text += "priors       simulated (" + metrics.priors + ")\n";
   return text;
 }
 

@@ -1,12 +1,13 @@
 // The few lines that people read at the end of a command.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+
+#include "metrics/run_metrics.h"
 
 namespace aligngs {
 
-/// PSNR, SSIM, geometry and labels of metrics.json, a line each; what is null says why.
-std::string metrics_summary(const nlohmann::json& metrics);
+/// PSNR, SSIM, geometry and labels, a line each; what was not measured says why.
+std::string metrics_summary(const RunMetrics& metrics);
 
 }  // namespace aligngs

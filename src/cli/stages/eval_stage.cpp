@@ -11,72 +11,26 @@
 #include "cli/stages/perceptual_metric.h"
 #include "core/error.h"
 #include "core/log.h"
-#include "core/median.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "metrics/image_metrics.h"
 #include "metrics/mesh_protocols.h"
+#include "metrics/metrics_json.h"
 #include "metrics/semantic_metrics.h"
 #include "metrics/view_novelty.h"
 #include "refine/photo_alignment.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
+#include "train/run_folder.h"
+#include "train/run_record.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 namespace {
 
 constexpr double kMetresPerExtent = 3;  // extent of a room of 4 to 5 m, for scenes without metres
-
-/// NaN and infinity have no JSON form: null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-/// Mean of the finite values of one key over the views, or over those that extrapolate or do not; null without any.
-Json mean_of(const Json& views, const char* key, std::optional<bool> extrapolating = {}) {
-  double sum = 0;
-  int count = 0;
-  for (const Json& view : views) {
-    if (!view.contains(key) || !view[key].is_number()) continue;
-    if (extrapolating && view.value("extrapolates", false) != *extrapolating) continue;
-    sum += view[key].get<double>();
-    ++count;
-  }
-  return count ? Json(sum / count) : Json(nullptr);
-}
-
-/// The finite values by the names of their classes.
-Json by_class(const std::vector<double>& values, const LabelSet& labels) {
-  Json json = Json::object();
-  for (int c = 0; c < labels.size(); ++c) {
-    if (std::isfinite(values[size_t(c)])) json[labels.classes[size_t(c)].name] = values[size_t(c)];
-  }
-  return json;
-}
-
-Json semantic_json(const SemanticScores& scores, const LabelSet& labels) {
-  return {
-      {"miou", number(scores.miou)},
-      {"accuracy", number(scores.accuracy)},
-      {"classes", scores.classes},
-      {"samples", scores.samples},
-      {"rule",
-       fmt::format(
-           "mean over the classes with at least {:g} % of the labelled samples; present: over all classes of the truth",
-           100 * kLeastClassShare)},
-      {"iou", by_class(scores.iou, labels)},
-      {"present",
-       {{"miou", number(scores.present_miou)},
-        {"classes", scores.present_classes},
-        {"iou", by_class(scores.present_iou, labels)}}}};
-}
-
-struct ViewMetrics {
-  Json per_view = Json::array();
-  Json nvs, semantics = nullptr;
-};
 
 /// True cameras decide where the photos were taken, if there are any.
 std::vector<Camera> true_training_cameras(const Scene& scene) {
@@ -94,15 +48,14 @@ MeshEvaluationInput evaluation_cameras_of(const Scene& scene) {
   return input;
 }
 
-/// How far a pose is from the true one: metres and degrees.
-Json pose_error(const Camera& camera, const Camera& truth, const Similarity& to_truth) {
+PoseError pose_error(const Camera& camera, const Camera& truth, const Similarity& to_truth) {
   const Rigidd moved = to_truth.transform_world_to_camera(camera.world_to_camera);
-  return {{"metres", norm(to_truth * camera.centre() - truth.centre())},
-          {"degrees", rotation_angle_between_degrees(moved.rotation, truth.world_to_camera.rotation)}};
+  return {norm(to_truth * camera.centre() - truth.centre()),
+          rotation_angle_between_degrees(moved.rotation, truth.world_to_camera.rotation)};
 }
 
-/// Gain of the picture with the pose fitted to the test photo itself; the scene is frozen.
-void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const Similarity& to_truth, Json& entry) {
+/// Scores with the pose fitted to the test photo itself; the scene is frozen.
+RefinedPoseMetrics measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const Similarity& to_truth) {
   RenderOptions options = run.render_options();
   options.labels = false;
   const LookAtScene look = [&](const Camera& camera) {
@@ -112,38 +65,20 @@ void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, con
   };
   const PhotoAlignment aligned = align_to_photo(data.camera, data.color, data.mask, look);
   const ImageScores scores = compare_images(look(aligned.camera).color, data.color, data.mask, {}, run.pool.get());
-  entry["pose_refined"] = {{"psnr", number(scores.psnr)},
-                           {"ssim", number(scores.ssim)},
-                           {"shift", norm(aligned.camera.centre() - data.camera.centre())},
-                           {"turn_degrees", rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation,
-                                                                           data.camera.world_to_camera.rotation)}};
-  const std::optional<Camera>& truth = run.scene.views[static_cast<size_t>(view)].truth_camera;
-  if (!truth) return;
-  entry["pose_refined"]["error_before"] = pose_error(data.camera, *truth, to_truth);
-  entry["pose_refined"]["error_after"] = pose_error(aligned.camera, *truth, to_truth);
+  RefinedPoseMetrics refined;
+  refined.psnr = scores.psnr;
+  refined.ssim = scores.ssim;
+  refined.shift = norm(aligned.camera.centre() - data.camera.centre());
+  refined.turn_degrees =
+      rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation, data.camera.world_to_camera.rotation);
+  if (const std::optional<Camera>& truth = run.scene.views[static_cast<size_t>(view)].truth_camera) {
+    refined.before = pose_error(data.camera, *truth, to_truth);
+    refined.after = pose_error(aligned.camera, *truth, to_truth);
+  }
+  return refined;
 }
 
-/// Over the test views: scores with fitted poses, and the median distance of the poses from the true ones before and
-/// after.
-Json refined_pose_json(const Json& per_view) {
-  Json refined = Json::array();
-  for (const Json& view : per_view) refined.push_back(view["pose_refined"]);
-  const auto median = [&](const char* when) {
-    std::vector<double> values;
-    for (const Json& view : refined) {
-      if (view.contains(when)) values.push_back(view[when]["metres"].get<double>());
-    }
-    return values.empty() ? Json(nullptr) : Json(median_of(std::move(values)));
-  };
-  return {{"psnr", mean_of(refined, "psnr")},
-          {"ssim", mean_of(refined, "ssim")},
-          {"median_error_before_m", median("error_before")},
-          {"median_error_after_m", median("error_after")},
-          {"protocol", "pose of each test photo fitted to that photo, scene frozen"}};
-}
-
-ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
-  ViewMetrics result;
+void measure_views(OpenRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
   ConfusionMatrix confusion(run.scene.labels.size()), taught(run.scene.labels.size());
   bool labelled = false, judged = false;
   const std::vector<Camera> training = true_training_cameras(run.scene);
@@ -163,89 +98,37 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
     Rendering rendering = run.engine->render(data.camera, run.render_options());
     run.expose_as(index, rendering.color);
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
-    Json entry = {{"name", view.name},           {"psnr", number(scores.psnr)},
-                  {"ssim", number(scores.ssim)}, {"lpips", nullptr},
-                  {"lpips_unit", nullptr},       {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)},
-                  {"label_accuracy", nullptr}};
+    TestViewMetrics entry;
+    entry.name = view.name;
+    entry.psnr = scores.psnr;
+    entry.ssim = scores.ssim;
+    entry.psnr_exposure_fitted = scores.psnr_affine_crossfit;
     const ViewNovelty novelty = view_novelty(run.scene.evaluation_cameras[static_cast<size_t>(index)], training);
-    entry["extrapolates"] = extrapolates(novelty, metres_per_unit);
+    entry.extrapolates = extrapolates(novelty, metres_per_unit);
     if (const auto distances = perceptual.measure(rendering.color, data.color, data.mask)) {
-      entry["lpips"] = number(distances->canonical);
-      entry["lpips_unit"] = number(distances->unit);
+      entry.lpips = distances->canonical;
+      entry.lpips_unit = distances->unit;
     }
     if (labels) {
       const Image<uint16_t> truth = load_truth_labels(run.scene, index, data.camera);
       confusion.add(truth, rendering.label);
       ConfusionMatrix own(run.scene.labels.size());
       own.add(truth, rendering.label);
-      entry["label_accuracy"] = number(own.scores().accuracy);
+      entry.label_accuracy = own.scores().accuracy;
       labelled = true;
       if (!data.labels.empty()) taught.add(truth, data.labels);
       judged |= !data.labels.empty();
     }
-    if (options.refine_test_poses) measure_with_refined_pose(run, index, data, to_truth, entry);
-    result.per_view.push_back(std::move(entry));
-    progress.update(result.per_view.size());
+    if (options.refine_test_poses) entry.pose_refined = measure_with_refined_pose(run, index, data, to_truth);
+    metrics.views.push_back(std::move(entry));
+    progress.update(metrics.views.size());
   }
-  result.nvs = {{"psnr", mean_of(result.per_view, "psnr")},
-                {"ssim", mean_of(result.per_view, "ssim")},
-                {"lpips", mean_of(result.per_view, "lpips")},
-                {"lpips_unit", mean_of(result.per_view, "lpips_unit")},
-                {"lpips_note", perceptual.reason().empty()
-                                   ? Json("VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]")
-                                   : Json(perceptual.reason())},
-                {"views", result.per_view.size()},
-                {"pose_refined", nullptr},
-                {"exposure_fitted",
-                 {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
-                  {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
-  if (options.refine_test_poses && !result.per_view.empty())
-    result.nvs["pose_refined"] = refined_pose_json(result.per_view);
-  for (const bool extrapolating : {false, true}) {
-    result.nvs[extrapolating ? "extrapolating" : "interpolating"] = {
-        {"psnr", mean_of(result.per_view, "psnr", extrapolating)},
-        {"ssim", mean_of(result.per_view, "ssim", extrapolating)},
-        {"views", std::count_if(result.per_view.begin(), result.per_view.end(),
-                                [&](const Json& v) { return v["extrapolates"] == extrapolating; })}};
-  }
-  if (labelled) result.semantics = semantic_json(confusion.scores(), run.scene.labels);
-  // The yardstick of the training: the teacher run on the test photos themselves.
-  if (judged) result.semantics["teacher"] = semantic_json(taught.scores(), run.scene.labels);
-  return result;
-}
-
-Json geometry_json(const MeshProtocolResult& result) {
-  const MeshScores& s = result.scores;
-  Json json = {{"protocol", fmt::format("{}, {}, alignment: {}", result.protocol, result.culling, result.alignment)},
-               {"accuracy", number(s.accuracy)},
-               {"completeness", number(s.completeness)},
-               {"precision", number(s.precision)},
-               {"recall", number(s.recall)},
-               {"fscore", number(s.fscore)},
-               {"threshold_m", s.threshold},
-               {"camera_rmse_m", number(result.alignment_report.camera_rmse)},
-               {"truth_area_m2", number(result.truth_area)}};
-  for (const ThresholdScores& finer : s.finer) {
-    const std::string suffix = fmt::format("_{:.0f}cm", 100 * finer.threshold);
-    json["precision" + suffix] = number(finer.precision);
-    json["recall" + suffix] = number(finer.recall);
-    json["fscore" + suffix] = number(finer.fscore);
-  }
-  if (result.alignment_report.icp) json["icp_rmse_m"] = number(result.alignment_report.icp->rmse_after);
-  return json;
-}
-
-/// Angles in degrees, pinholes as shares (metrics/surface_quality.h).
-Json surface_json(const SurfaceQuality& s) {
-  return {{"normal_error_mean_deg", number(s.normal_error.mean)},
-          {"normal_error_median_deg", number(s.normal_error.median)},
-          {"structure_normal_error_mean_deg", number(s.structure_normal_error.mean)},
-          {"structure_normal_error_median_deg", number(s.structure_normal_error.median)},
-          {"roughness_mean_deg", number(s.roughness.mean)},
-          {"roughness_median_deg", number(s.roughness.median)},
-          {"pinholes", number(s.pinholes)},
-          {"structure_pinholes", number(s.structure_pinholes)},
-          {"truth_seen_m2", number(s.truth_seen)}};
+  metrics.views_measured = true;
+  metrics.lpips_note = perceptual.reason().empty()
+                           ? "VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]"
+                           : perceptual.reason();
+  if (labelled) metrics.semantics = confusion.scores();
+  if (judged) metrics.teacher = taught.scores();
 }
 
 /// Per class 1 for those that bound a room.
@@ -257,8 +140,8 @@ std::vector<uint8_t> structural_classes(const LabelSet& labels) {
   return structural;
 }
 
-/// Geometry and mesh labels against the true mesh; nulls when either mesh is missing.
-void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry, Json& mesh_semantics) {
+/// Geometry and mesh labels against the true mesh; empty when either mesh is missing.
+void measure_mesh(OpenRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
   const fs::path truth_file = options.truth_mesh.empty() ? run.scene.truth_mesh : options.truth_mesh;
   const fs::path mesh_file = options.mesh.empty() ? run.folder / "mesh" / "mesh.ply" : options.mesh;
   if (truth_file.empty() || !fs::exists(truth_file)) return;
@@ -271,64 +154,52 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
   input.predicted = &predicted;
   input.truth = &truth;
   input.structural = structural_classes(run.scene.labels);
-  const MeshEvaluation evaluation = evaluate_mesh(input, run.scene.metric, options.icp, *run.pool);
-  geometry = geometry_json(evaluation.headline);
-  geometry["surface"] = surface_json(evaluation.surface);
-  geometry["variants"] = Json::array();
-  for (const MeshProtocolResult& variant : evaluation.variants) geometry["variants"].push_back(geometry_json(variant));
+  metrics.geometry = evaluate_mesh(input, run.scene.metric, options.icp, *run.pool);
   if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() &&
       !truth.vertices.empty() && run.has_labels()) {
     const TriangleMesh seen = cull_to_first_hits(truth, input.truth_cameras, *run.pool);
-    const TriangleMesh moved = transformed(predicted, evaluation.headline.alignment_report.similarity);
-    const MeshLabelScores labels = compare_mesh_labels(moved, seen, run.scene.labels.size(), *run.pool);
-    mesh_semantics = semantic_json(labels.all, run.scene.labels);
-    mesh_semantics["coverage"] = number(labels.coverage);
-    mesh_semantics["covered_miou"] = number(labels.covered.miou);
-    mesh_semantics["class_coverage"] = by_class(labels.class_coverage, run.scene.labels);
+    const TriangleMesh moved = transformed(predicted, metrics.geometry->headline.alignment_report.similarity);
+    metrics.mesh_labels = compare_mesh_labels(moved, seen, run.scene.labels.size(), *run.pool);
   }
 }
 
-Json training_json(const OpenRun& run) {
-  Json train = {{"seconds", nullptr},
-                {"iterations", run.config.train.iterations},
-                {"gaussians", run.model.size()},
-                {"iterations_per_second", nullptr},
-                {"peak_memory_bytes", nullptr},
-                {"device", run.engine->device_name()}};
-  const fs::path file = run.folder / "run.json";
-  const Json state = fs::exists(file) ? parse_json(read_file(file)) : Json();
-  if (!state.is_object() || !state.contains("train") || !state["train"].is_object()) return train;
-  for (const auto& [key, value] : state["train"].items()) train[key] = value;
+TrainingMetrics training_metrics(const OpenRun& run) {
+  TrainingMetrics train;
+  train.iterations = run.config.train.iterations;
+  train.gaussians = run.model.size();
+  train.device = run.engine->device_name();
+  const RunFolder folder(run.folder);
+  if (!folder.has_run()) return train;
+  const RunRecord record = read_run_record(folder.record());
+  train.seconds = record.train.seconds;
+  train.iterations = record.train.iterations;
+  train.gaussians = record.train.gaussians;
+  train.iterations_per_second = record.train.iterations_per_second;
+  train.peak_memory_bytes = record.train.peak_memory_bytes;
+  train.device = record.device;
   return train;
 }
 
 }  // namespace
 
-Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
-  ViewMetrics views;
-  if (options.views) views = measure_views(run, options);
-  Json geometry = nullptr, mesh_semantics = nullptr;
-  measure_mesh(run, options, geometry, mesh_semantics);
-  Json semantics = views.semantics;
-  if (!mesh_semantics.is_null()) {
-    if (semantics.is_null()) semantics = {{"miou", nullptr}, {"accuracy", nullptr}, {"present", {{"miou", nullptr}}}};
-    semantics["mesh"] = mesh_semantics;
-  }
-  const Json metrics = {{"schema", 1},
-                        {"scene_source", run.scene.source},
-                        {"priors", run.scene.prior_source},
-                        {"width", run.working_camera(0).width},
-                        {"height", run.working_camera(0).height},
-                        {"nvs", views.nvs},
-                        {"geometry", geometry},
-                        {"semantics", semantics},
-                        {"train", training_json(run)},
-                        {"per_view", views.per_view}};
-  if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", json_document(metrics));
+RunMetrics evaluate_run(OpenRun& run, const EvalStageOptions& options) {
+  RunMetrics metrics;
+  metrics.scene_source = run.scene.source;
+  metrics.priors = run.scene.prior_source;
+  metrics.width = run.working_camera(0).width;
+  metrics.height = run.working_camera(0).height;
+  metrics.labels = run.scene.labels;
+  if (options.views) measure_views(run, options, metrics);
+  measure_mesh(run, options, metrics);
+  metrics.train = training_metrics(run);
+  if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", json_document(metrics_json(metrics)));
   return metrics;
 }
 
-void require_at_least(const Json& metrics, const std::vector<std::string>& conditions) {
+void require_at_least(const RunMetrics& metrics, const std::vector<std::string>& conditions) {
+  if (conditions.empty()) return;
+  const nlohmann::json document = metrics_json(metrics);  // whose names a person gives
+
   const std::vector<std::pair<std::string, std::string>> short_names = {
       {"psnr", "nvs.psnr"}, {"ssim", "nvs.ssim"}, {"fscore", "geometry.fscore"}, {"miou", "semantics.miou"}};
   for (const std::string& condition : conditions) {
@@ -342,7 +213,7 @@ void require_at_least(const Json& metrics, const std::vector<std::string>& condi
     for (const auto& [name, full] : short_names) {
       if (path == name) path = full;
     }
-    const double value = number_at(metrics, path);
+    const double value = number_at(document, path);
     if (std::isnan(value)) {
       throw_usage("--fail-under: this run has no number \"" + path + "\"",
                   "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/stages/open_run.h"
 #include "core/progress.h"
+#include "metrics/run_metrics.h"
 
 namespace aligngs {
 
@@ -20,12 +20,11 @@ struct EvalStageOptions {
   ProgressStyle progress;
 };
 
-/// Measures and writes metrics.json (unless another mesh was given); returns its content. Parts without truth are null,
-/// never a substitute.
-nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
+/// Measures and writes metrics.json (unless another mesh was given). Parts without truth stay empty, never a substitute.
+RunMetrics evaluate_run(OpenRun& run, const EvalStageOptions& options);
 
 /// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics. Error{kBelow} (status 6) when one is
 /// not met. Error{kUsage} when one cannot be read or names no number. Short names: psnr, ssim, fscore, miou.
-void require_at_least(const nlohmann::json& metrics, const std::vector<std::string>& conditions);
+void require_at_least(const RunMetrics& metrics, const std::vector<std::string>& conditions);
 
 }  // namespace aligngs

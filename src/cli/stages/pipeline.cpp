@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "metrics/metrics_json.h"
 #include "train/run_control.h"
 #include "train/run_record.h"
 
@@ -41,64 +42,100 @@ void stop_here_if_asked(const std::filesystem::path& run) {
   stop_if_requested();
 }
 
-/// room.json where the run has labels. A room that cannot be described is no reason to fail: everything else is there.
-void describe(OpenRun& run, const TrainOptions& options) {
-  if (!run.has_labels()) return;
-  try {
-    room_run(run, options.scene);
-  } catch (const Error& error) {
-    if (error.kind() == ErrorKind::kInterrupted) throw;
-    warn(options.run, std::string("there is no room.json: ") + error.what());
-  }
-}
+/// The steps after training, each by itself.
+class Products {
+ public:
+  Products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device)
+      : options_(options),
+        make_tsdf_device_(make_tsdf_device),
+        run_(open_run(options.run, {options.scene, options.threads, options.make_engine})) {}
 
-/// The stages after training; returns metrics.json.
-nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
+  void render() {
+    RenderStageOptions render;
+    render.progress = options_.progress;
+    render.test = true;
+    render_views(run_, render);
+    stop_here_if_asked(options_.run);
+  }
+
+  void mesh() {
+    MeshStageOptions mesh;
+    mesh.make_device = make_tsdf_device_;
+    mesh.may_be_empty = true;
+    if (mesh_run(run_, mesh).file.empty()) {
+      warn(options_.run,
+           "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at "
+           "the renders");
+    }
+    stop_here_if_asked(options_.run);
+  }
+
+  void evaluate() {
+    EvalStageOptions eval;
+    eval.progress = options_.progress;
+    metrics_ = evaluate_run(run_, eval);
+  }
+
+  void report() { write_report(options_.run); }
+
+  /// room.json where the run has labels. A room that cannot be described is no reason to fail: everything else is
+  /// there.
+  void room() {
+    if (!run_.has_labels()) return;
+    try {
+      room_run(run_, options_.scene);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kInterrupted) throw;
+      warn(options_.run, std::string("there is no room.json: ") + error.what());
+    }
+  }
+
+  const RunMetrics& metrics() const { return metrics_; }
+
+ private:
+  const TrainOptions& options_;
+  const TsdfDeviceFactory& make_tsdf_device_;
+  OpenRun run_;
+  RunMetrics metrics_;
+};
+
+struct Product {
+  RunStep step;
+  const char* stage;  ///< of run.json, which the page shows
+  void (Products::*make)();
+};
+constexpr Product kProducts[] = {{RunStep::kRender, "render", &Products::render},
+                                 {RunStep::kMesh, "mesh", &Products::mesh},
+                                 {RunStep::kEvaluate, "measure", &Products::evaluate},
+                                 {RunStep::kReport, "report", &Products::report},
+                                 {RunStep::kRoom, "room", &Products::room}};
+
+/// Returns what was measured.
+RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
-  enter_stage(options.run, "render");
-  OpenRun run = open_run(options.run, {options.scene, options.threads, options.make_engine});
-
-  RenderStageOptions render;
-  render.progress = options.progress;
-  render.test = true;
-  render_views(run, render);
-  stop_here_if_asked(options.run);
-  enter_stage(options.run, "mesh");
-  MeshStageOptions mesh;
-  mesh.make_device = make_tsdf_device;
-  mesh.may_be_empty = true;
-  if (mesh_run(run, mesh).file.empty()) {
-    warn(options.run,
-         "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at the "
-         "renders");
+  enter_stage(options.run, kProducts[0].stage);  // opening a large run takes seconds
+  Products products(options, make_tsdf_device);
+  for (const Product& product : kProducts) {
+    if (!plan.has(product.step)) continue;
+    enter_stage(options.run, product.stage);
+    (products.*product.make)();
   }
-  stop_here_if_asked(options.run);
-  enter_stage(options.run, "measure");
-  EvalStageOptions eval;
-  eval.progress = options.progress;
-  const nlohmann::json metrics = evaluate_run(run, eval);
-  enter_stage(options.run, "report");
-  write_report(options.run);
-
-  enter_stage(options.run, "room");
-  describe(run, options);
-
   RunRecord record = read_run_record(options.run / "run.json");
   record.stage = "done";
   record.updated = record.finished = utc_now();
   write_run_record(options.run / "run.json", record);
-  return metrics;
+  return products.metrics();
 }
 
 }  // namespace
 
-nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context,
-                            const TsdfDeviceFactory& make_tsdf_device) {
+RunMetrics run_pipeline(const RunPlan& plan, const TrainOptions& options, const CommandContext& context,
+                        const TsdfDeviceFactory& make_tsdf_device) {
   const TrainResult trained = train_run(options);
   if (trained.already_finished) log_info("the training was finished already");
-  nlohmann::json metrics;
+  RunMetrics metrics;
   try {
-    metrics = make_products(options, make_tsdf_device);
+    metrics = make_products(plan, options, make_tsdf_device);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kInterrupted) throw;
     throw Error({ErrorKind::kInterrupted,
@@ -108,7 +145,7 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
                  "run again to make the rest: " + options.resume_command});
   }
   if (context.global.json) {
-    print_json(metrics);
+    print_json(metrics_json(metrics));
   } else {
     std::printf("training     %lld iterations in %s, %llu Gaussians\n", static_cast<long long>(trained.iterations),
                 format_duration(trained.seconds).c_str(), static_cast<unsigned long long>(trained.gaussians));

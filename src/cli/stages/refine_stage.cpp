@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "core/log.h"
-#include "refine/bundle_adjustment.h"
 #include "refine/completed_scene.h"
 #include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
 #include "scene/ignored_classes.h"
-#include "train/training_set.h"
 
 namespace aligngs {
 
@@ -39,13 +37,6 @@ Scene open_for(const fs::path& folder, const TrainConfig& config) {
 
 }  // namespace
 
-bool should_measure(const fs::path& scene, const TrainConfig& config) {
-  if (!config.data.measure_depth || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric"))
-    return false;
-  const Scene opened = open_scene(scene);
-  return !opened.has_prior_depth() && opened.cloud.size() > 0;
-}
-
 bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
                       const CommandContext& context) {
   auto options = options_of<MeasureSceneOptions>(config, context);
@@ -60,35 +51,6 @@ bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainCon
   log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views,
            100 * report.measured);
   return true;
-}
-
-bool should_refine(const fs::path& scene, const TrainConfig& config) {
-  if (!config.data.refine_cameras || is_refined_scene(scene)) return false;
-  const Scene opened = open_scene(scene);
-  if (opened.prior_source == kStereoDepth) return false;  // with these very cameras
-  if (opened.prior_source == kSensorDepth) {
-    log_info("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)");
-    return false;
-  }
-  const PriorUse use = decide_prior_use(opened, config);
-  if (use.depth != PriorDepthKind::kMetric || use.placement.placed() < use.placement.views.size()) {
-    log_info("cameras stay unrefined: the search for matches needs prior depth in the units of the scene ({})",
-             use.depth_note);
-    return false;
-  }
-  if (!bundle_adjustment_available()) {
-    log_warning("cameras stay unrefined: this program was built without Ceres (libceres-dev)");
-    return false;
-  }
-  return true;
-}
-
-bool should_complete(const fs::path& scene, const TrainConfig& config) {
-  const bool wanted = (config.data.exposure && config.data.sensor_exposure) || config.data.fill_depth;
-  if (!wanted || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
-  const Scene opened = open_scene(scene);
-  return opened.has_prior_depth() && !opened.has_network_depth() && opened.prior_source != kStereoDepth &&
-         opened.depth_scale == DepthScale::kScene && !fs::exists(scene / "exposure.json") && !is_refined_scene(scene);
 }
 
 bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,

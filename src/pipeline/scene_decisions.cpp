@@ -1,0 +1,139 @@
+#include "pipeline/scene_decisions.h"
+
+#include <fmt/format.h>
+
+#include "priors/scene_priors.h"
+#include "priors/teacher_list.h"
+#include "refine/bundle_adjustment.h"
+#include "refine/refined_scene.h"
+#include "train/training_set.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Decision yes(std::string reason) { return {.wanted = true, .reason = std::move(reason)}; }
+Decision no(std::string reason, Notice notice = Notice::kNone) {
+  return {.reason = std::move(reason), .notice = notice};
+}
+
+Decision by_network(const PublishedModel& model, std::string reason) {
+  return {.wanted = true, .reason = std::move(reason), .network = &model};
+}
+
+/// Metric prior depth is of use to training.
+bool wants_metric_depth(const TrainConfig& config) {
+  return config.data.prior_depth == "auto" || config.data.prior_depth == "metric";
+}
+
+}  // namespace
+
+Decision decide_depth(bool measurable, const PriorRequest& priors, const CameraRequest& cameras,
+                      const ModelStore& store) {
+  if (priors.depth == "none") return no("--depth none leaves depth of networks out");
+  if (priors.depth != "auto") {
+    const PublishedModel& model = depth_model(priors.depth);
+    return by_network(model, fmt::format("no prior depth: depth by {}, as --depth asks", model.name));
+  }
+  Decision decision;
+  if (const PublishedModel* const model = installed_camera_network(cameras, store))
+    decision = by_network(*model, fmt::format("no prior depth: depth by {}, the network for cameras", model->name));
+  else if (measurable)
+    return no("depth is measured in the photos, and no network for cameras is installed");
+  else if (const PublishedModel* const other = installed_depth_model(store))
+    decision = by_network(*other, fmt::format("no prior depth: depth by {}, the first that is installed", other->name));
+  else
+    return no("no network for depth is installed");
+  const bool named = !cameras.model.empty() || cameras.method == "vggt";
+  if (!named) decision.terms = terms_of_choice(*decision.network, "depth");
+  return decision;
+}
+
+Decision decide_depth(const fs::path& folder, const PriorRequest& priors, const CameraRequest& cameras,
+                      const TrainConfig& config, const ModelStore& store) {
+  if (open_scene(folder).has_prior_depth()) return no("the scene has prior depth");
+  return decide_depth(decide_measure(folder, config).wanted, priors, cameras, store);
+}
+
+Decision decide_classes(const PriorRequest& priors, const ModelStore& store) {
+  if (priors.semantics == "none") return no("--semantics none leaves classes out");
+  if (priors.semantics != "auto") {
+    const PublishedModel& model = semantic_model(priors.semantics);
+    return by_network(model, fmt::format("no class labels: labels by {}, as --semantics asks", model.name));
+  }
+  if (const PublishedModel* const model = installed_semantic_model(store))
+    return by_network(*model, fmt::format("no class labels: labels by {}, the first that is installed", model->name));
+  return no(
+      "no class labels: no weights for them are here (aligngs models download eomt-l, 1.3 GB, or lingbot-s, 0.1 GB)",
+      Notice::kInfo);
+}
+
+Decision decide_classes(const fs::path& folder, const PriorRequest& priors, const ModelStore& store) {
+  if (open_scene(folder).has_semantics()) return no("the scene has class labels");
+  return decide_classes(priors, store);
+}
+
+Decision may_measure(const TrainConfig& config) {
+  if (!config.data.measure_depth) return no("the settings leave it out (data.measure_depth)");
+  if (!wants_metric_depth(config)) return no("the settings use no such depth (data.prior_depth)");
+  return yes("points without prior depth: depth is measured in the photos");
+}
+
+Decision decide_measure(const fs::path& folder, const TrainConfig& config) {
+  Decision decision = may_measure(config);
+  if (!decision.wanted) return decision;
+  const Scene scene = open_scene(folder);
+  if (scene.has_prior_depth()) return no("the scene has prior depth");
+  if (scene.cloud.size() == 0) return no("the scene has no points to begin with");
+  return decision;
+}
+
+Decision may_refine(const TrainConfig& config) {
+  if (!config.data.refine_cameras) return no("the settings leave it out (data.refine_cameras)");
+  if (!bundle_adjustment_available()) {
+    return no("cameras stay unrefined: this program was built without Ceres (libceres-dev)", Notice::kWarning);
+  }
+  return yes("cameras and prior depth are corrected from the photos");
+}
+
+Decision decide_refine(const fs::path& folder, const TrainConfig& config) {
+  const Decision allowed = may_refine(config);
+  if (!config.data.refine_cameras) return allowed;
+  if (is_refined_scene(folder)) return no("the scene is refined already");
+  const Scene scene = open_scene(folder);
+  if (scene.prior_source == kStereoDepth) return no("depth was measured with these very cameras");
+  if (scene.prior_source == kSensorDepth) {
+    return no("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)",
+              Notice::kInfo);
+  }
+  const PriorUse use = decide_prior_use(scene, config);
+  if (use.depth != PriorDepthKind::kMetric || use.placement.placed() < use.placement.views.size()) {
+    return no(fmt::format("cameras stay unrefined: the search for matches needs prior depth in the units of the scene "
+                          "({})",
+                          use.depth_note),
+              Notice::kInfo);
+  }
+  return allowed;
+}
+
+Decision may_complete(const TrainConfig& config) {
+  const bool wanted = (config.data.exposure && config.data.sensor_exposure) || config.data.fill_depth;
+  if (!wanted) return no("the settings leave it out (data.sensor_exposure, data.fill_depth)");
+  if (!wants_metric_depth(config)) return no("the settings use no such depth (data.prior_depth)");
+  return yes("depth of a sensor, or given depth: exposures are measured, and holes are filled");
+}
+
+Decision decide_complete(const fs::path& folder, const TrainConfig& config) {
+  Decision decision = may_complete(config);
+  if (!decision.wanted) return decision;
+  const Scene scene = open_scene(folder);
+  if (!scene.has_prior_depth()) return no("the scene has no prior depth");
+  if (scene.has_network_depth() || scene.prior_source == kStereoDepth || scene.depth_scale != DepthScale::kScene)
+    return no("the depth is neither of a sensor nor given");
+  if (fs::exists(folder / "exposure.json") || is_refined_scene(folder)) return no("the scene has that already");
+  return decision;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,126 @@
+// A run as a plan: what --dry-run prints, and that a run writes nowhere but into its own folder.
+#include <gmock/gmock.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "io/atomic_file.h"
+#include "io/json_text.h"
+#include "nn/random_weights.h"
+#include "priors/model_store.h"
+#include "scene/scene.h"
+#include "support/no_weights.h"
+#include "support/process.h"
+#include "support/small_scene.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::ProcessResult;
+using testing_support::run_aligngs;
+
+class PlanCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) /
+            ("plan_command_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(root_);
+    no_weights_.emplace(root_);
+    testing_support::write_small_scene(scene());
+  }
+  fs::path scene() const { return root_ / "scene"; }
+  fs::path run_folder() const { return root_ / "run"; }
+  ProcessResult run(const std::string& options) const {
+    return run_aligngs("run '" + scene().string() + "' -o '" + run_folder().string() + "' " + options,
+                       fs::path(testing::TempDir()) / "plan_command_scratch");
+  }
+  /// Path and content of every file of a folder.
+  static std::map<std::string, std::string> files(const fs::path& folder) {
+    std::map<std::string, std::string> found;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      found[entry.path().string()] = entry.is_regular_file() ? read_file(entry.path()) : "";
+    return found;
+  }
+  static void install(const char* name, const nn::TensorList& tensors) {
+    const ModelStore store(ModelStoreOptions::from_environment(true));
+    const PublishedModel& model = published_model(name);
+    const fs::path file = store.own_path(model, model.files[0]);
+    fs::create_directories(file.parent_path());
+    nn::write_random_weights(file, tensors, 1);
+  }
+  /// Networks for depth and classes of the published structure and a tiny size.
+  static void install_tiny_networks() {
+    const nn::VitSize size{64, 4, false, 0, 5};
+    install("dinov2-s", nn::dinov2_tensors(size));
+    install("ade20k-linear-s", nn::bn_head_tensors(size.channels));
+    install("nyu-linear4-s", nn::linear_depth_tensors(4 * 2 * size.channels));
+  }
+
+  fs::path root_;
+  std::optional<testing_support::NoWeights> no_weights_;
+};
+
+TEST_F(PlanCommand, ADryRunPrintsTheStepsAndTouchesNothing) {
+  const auto before = files(root_);
+  const ProcessResult result = run("-n 20 --dry-run");
+  EXPECT_EQ(result.status, 0) << result.err;
+  for (const char* step : {"poses", "depth", "classes", "measure", "refine", "train", "mesh", "report", "room"})
+    EXPECT_THAT(result.out, HasSubstr(step));
+  EXPECT_THAT(result.out, HasSubstr("20 iterations"));
+  EXPECT_THAT(result.out, HasSubstr("unknown")) << "time of a first run";
+  EXPECT_EQ(files(root_), before);
+}
+
+TEST_F(PlanCommand, ItsJsonHasAReasonForEveryStep) {
+  const ProcessResult result = run("-n 20 --dry-run --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const nlohmann::json plan = parse_json(result.out);
+  EXPECT_EQ(plan["begun"], false);
+  ASSERT_EQ(plan["steps"].size(), 12u);
+  for (const auto& step : plan["steps"]) EXPECT_NE(step["reason"], "") << step;
+  EXPECT_EQ(plan["steps"][0]["outlook"], "left out");
+  EXPECT_TRUE(plan["steps"][6]["seconds"].is_null());
+  EXPECT_GT(plan["memory_bytes"], 0);
+}
+
+TEST_F(PlanCommand, ADryRunFailsAsTheRunDoes) {
+  fs::remove_all(scene() / "sparse");
+  fs::remove_all(scene() / "images");
+  const ProcessResult dry = run("--dry-run"), real = run("");
+  EXPECT_EQ(dry.status, 3);
+  EXPECT_EQ(dry.err, real.err);
+  EXPECT_FALSE(fs::exists(run_folder()));
+}
+
+TEST_F(PlanCommand, ADryRunOfTheDemoTouchesNothing) {
+  const ProcessResult result = run_aligngs("demo -o '" + run_folder().string() + "' --dry-run",
+                                           fs::path(testing::TempDir()) / "plan_command_scratch");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("synth"));
+  EXPECT_FALSE(fs::exists(run_folder()));
+}
+
+TEST_F(PlanCommand, PriorsOfARunLieInTheScenesOfTheRun) {
+  fs::remove_all(scene() / "pred_depths");
+  fs::remove_all(scene() / "pred_confidence");
+  fs::remove_all(scene() / "segmentation_logits");
+  fs::remove(scene() / "priors.json");
+  fs::remove(scene() / "labels.csv");
+  fs::remove_all(scene() / "truth");
+  install_tiny_networks();
+  const auto before = files(scene());
+  const ProcessResult result = run("-n 2 -q --depth linear-s --no-refine");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(files(scene()), before);
+  const Scene own = open_scene(run_folder() / "scene");
+  EXPECT_TRUE(own.has_prior_depth());
+  EXPECT_EQ(own.prior_source, "nyu-linear4-s");
+  EXPECT_TRUE(own.has_semantics());
+  EXPECT_EQ(own.semantic_source, "ade20k-linear-s");
+}
+
+}  // namespace
+}  // namespace aligngs
