@@ -87,12 +87,22 @@ TEST_F(PlanCommand, ItsJsonHasAReasonForEveryStep) {
 }
 
 TEST_F(PlanCommand, ADryRunFailsAsTheRunDoes) {
-  fs::remove_all(scene() / "sparse");
-  fs::remove_all(scene() / "images");
+  for (const auto& entry : fs::recursive_directory_iterator(scene() / "sparse")) {
+    if (entry.path().filename() == "cameras.bin") fs::resize_file(entry.path(), 9);
+  }
   const ProcessResult dry = run("--dry-run"), real = run("");
-  EXPECT_EQ(dry.status, 3);
+  EXPECT_EQ(dry.status, 3) << dry.err;
+  EXPECT_THAT(dry.err, HasSubstr("cameras.bin"));
   EXPECT_EQ(dry.err, real.err);
   EXPECT_FALSE(fs::exists(run_folder()));
+}
+
+TEST_F(PlanCommand, AnEmptyFolderIsNoSource) {
+  fs::remove_all(scene());
+  fs::create_directories(scene());
+  const ProcessResult result = run("--dry-run");
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("neither a scene"));
 }
 
 TEST_F(PlanCommand, ADryRunOfTheDemoTouchesNothing) {
