@@ -24,12 +24,18 @@ using testing_support::run_aligngs;
 
 class PlanCommand : public testing::Test {
  protected:
+  static fs::path original() { return fs::path(testing::TempDir()) / "plan_command_original"; }
+  static void SetUpTestSuite() {
+    fs::remove_all(original());
+    testing_support::write_small_scene(original());
+  }
   void SetUp() override {
     root_ = fs::path(testing::TempDir()) /
             ("plan_command_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(root_);
     no_weights_.emplace(root_);
-    testing_support::write_small_scene(scene());
+    fs::create_directories(root_);
+    fs::copy(original(), scene(), fs::copy_options::recursive);
   }
   fs::path scene() const { return root_ / "scene"; }
   fs::path run_folder() const { return root_ / "run"; }

@@ -45,7 +45,7 @@ fs::path path_or_none(const Batch& batch, const RoomEntry& room, const char* nam
   return given.empty() ? fs::path() : batch.base() / given;
 }
 
-/// What the options of a room ask of its run, as far as its memory depends on it.
+/// The request that the options of a room make of its run, as far as its memory depends on it.
 RunRequest request_of(const BatchFolder& folder, const Batch& batch, const RoomEntry& room) {
   RunRequest request;
   request.source = batch.source_of(room);
