@@ -84,6 +84,8 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
                                                     {KnownSide::kLength, options->length}};
       const auto chosen =
           std::find_if(std::begin(given), std::end(given), [](const auto& side) { return side.second != 0; });
+      const auto count = std::count_if(std::begin(given), std::end(given), [](const auto& s) { return s.second != 0; });
+      if (count > 1) throw_usage("two lengths may say two scales", "give one of --height, --width, --depth, --length");
       if (chosen == std::end(given))
         throw_usage("the length is missing", "give one of --height, --width, --depth, --length");
       room = scaled_to(before, measured_side(before, options->object, chosen->first), chosen->second);

@@ -20,6 +20,16 @@ TEST(RoomScale, AKnownDoorSetsTheScaleOfEverything) {
   EXPECT_NEAR(scaled.to_room.scale, 1.1, 1e-12);
 }
 
+TEST(RoomScale, TheSameLengthAgainChangesNothing) {
+  const MeasuredRoom room = sample_room::make();
+  const double measured = measured_side(room, "door", KnownSide::kHeight) / 3;
+  const MeasuredRoom once = scaled_to(room, measured, 0.7);
+  // The length as it is measured in the scaled room, with the rounding of another order of products.
+  const MeasuredRoom twice = scaled_to(once, 0.7 * (1 + 4e-16), 0.7);
+  EXPECT_EQ(twice.to_room.scale, once.to_room.scale);
+  EXPECT_EQ(twice.height, once.height);
+}
+
 TEST(RoomScale, EverythingWithALengthHasAName) {
   const MeasuredRoom room = sample_room::make();
   EXPECT_DOUBLE_EQ(measured_side(room, "wall.1", KnownSide::kLength), 4);
