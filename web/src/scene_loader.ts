@@ -1,5 +1,5 @@
 // Brings the splats of a file to the viewer: the most visible ones first, then all, with a progress bar.
-import { exportedColumns, kExported } from './api';
+import { exportedColumns, exportedEdits, kExported } from './api';
 import { firstOf, readColumns, unpacked, type Columns, type Head } from './columns';
 import { element } from './dom';
 import { download } from './download';
@@ -17,7 +17,11 @@ export class SceneLoader {
   async load(path: string, version: string, edits: string | null, steps: boolean, shown: (columns: Columns, first: boolean) => void): Promise<void> {
     this.current.abort();
     const { signal } = this.current = new AbortController();
-    if (kExported) { shown(await exportedColumns(), true); return; }
+    if (kExported) {
+      const columns = exportedColumns(), now = edits === null ? columns : await editedScene(columns, exportedEdits() as BlobPart);
+      if (!signal.aborted) shown(now, true);
+      return;
+    }
     const key = `${path}?${version}`;
     try {
       if (this.trained?.key === key) {
