@@ -138,8 +138,7 @@ export class Page {
     const wanted = `${path}?${s.version} ${edits}`;
     if (wanted === this.loadedSplats) return;
     const begins = this.loadedSplats === '';
-    let listed = Promise.resolve();
-    await this.loader.load(path, s.version, edits, begins, (columns, first) => {
+    await this.loader.load(path, s.version, edits, begins, async (columns, first) => {
       this.viewer.setSplats(columns);
       this.loadedSplats = wanted;
       this.viewer.mesh = null;
@@ -154,9 +153,8 @@ export class Page {
         const linked = poseOf(location.hash);
         if (linked) this.look(linked.eye, linked.target);
       }
-      listed = this.listLater();
+      await this.listLater();
     });
-    await listed;
   }
 
   private showNotes(): void {

@@ -25,7 +25,7 @@ const kPoints = 8000;            // splats that the room's box is made of
 const kSolid = 0.3;              // opacity of a splat that is no haze
 const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
 const kPictureTime = 30000; // milliseconds that a picture of a chosen size may take
-const kSortTime = 1000, kLook = 20; // milliseconds that a sorted picture is waited for, and between two looks
+const kSortTime = 3000, kLook = 20; // milliseconds that a sorted picture is waited for, and between two looks
 const kSettle = 300; // milliseconds of drawing after a change, so that the sorting worker gets it
 
 export class Viewer {
@@ -89,8 +89,9 @@ export class Viewer {
   /// The last picture is final: nothing moves, and nothing is left to sort or to draw.
   get resting(): boolean { return !this.drawsMoving && (this.settled || this.showsMesh) && performance.now() >= this.drawUntil && !this.app.renderNextFrame; }
 
-  /// The splats are drawn in their order; or nothing of them came for a second, as where the mesh is shown.
+  /// The splats are drawn in their order, or seconds have passed.
   async nextPicture(): Promise<void> {
+    if (this.showsMesh || document.hidden) return; // nothing is sorted there
     this.sorted = false;
     this.draw();
     for (const end = performance.now() + kSortTime; !this.sorted && performance.now() < end;) await new Promise((later) => window.setTimeout(later, kLook));

@@ -45,6 +45,7 @@ await withBrowser(async (browser) => {
         await page.evaluate(() => window.aligngs.ready);
         s.all.push(await page.evaluate(() => performance.now()) / 1000);
         await context.close();
+        if (process.env.VERBOSE) console.log(`${round} ${s.name} ${s.first.at(-1).toFixed(2)} ${s.all.at(-1).toFixed(2)}`);
       }
     }
     for (const s of servers) {
