@@ -1,5 +1,5 @@
 // The pictures of the page in docs/page.md: every state at three sizes side by side, and docs/images/page.jpg.
-// Usage: node test/screenshots.mjs PROGRAM RUN [FOLDER: ../docs/images]
+// Usage: [STATES=start,labels] node test/screenshots.mjs PROGRAM RUN [FOLDER: ../docs/images]
 import { spawn } from 'node:child_process';
 import { cpSync, existsSync, mkdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
@@ -15,6 +15,7 @@ if (!given || !existsSync(given)) skip('no run was given');
 cpSync(given, run, { recursive: true, filter: (path) => !/\/(control|edits|edits\.json|page\.json)$/.test(path) });
 mkdirSync(join(out, 'page'), { recursive: true });
 
+const kEnough = Symbol('all states that were asked for are taken');
 const taken = new Map(); // name of a state -> pictures as PNG, by size
 const panel = (page, is) => page.evaluate((on) => { if (document.getElementById('panel-button').offsetParent) window.aligngs.page.openPanel(on); }, is);
 
@@ -106,17 +107,33 @@ await withBrowser(async (browser) => {
   const visit = async (address, states) => {
     for (const [size, width, height] of kSizes) {
       const shown = await open(browser, address, { width, height });
-      await states(shown, async (state, rest = true) => {
+      const visited = states(shown, async (state, rest = true) => {
         if (only && !only.includes(state)) return;
         if (rest) await shown.settle();
-        taken.set(state, [...(taken.get(state) ?? []), await shown.page.screenshot()]);
+        taken.set(state, [...(taken.get(state) ?? []), await shown.page.screenshot({ timeout: 4 * kStay })]);
         console.log(`${state}, ${size}`);
+        if (only && only.every((s) => (taken.get(s) ?? []).length > kSizes.findIndex(([name]) => name === size))) throw kEnough;
       });
+      await visited.catch((e) => { if (e !== kEnough) throw e; });
       check(shown.complaints.length === 0, `${size}: no errors in the console ${shown.complaints.slice(0, 3).join(' | ')}`);
       await shown.page.context().close();
     }
   };
+  let bytes = 0;
+  const write = async () => {
+    const page = await browser.newPage();
+    for (const [state, pictures] of taken) {
+      const file = await joined(page, pictures, 'image/webp', kHeight);
+      bytes += file.length;
+      writeFileSync(join(out, 'page', `${state}.webp`), file);
+    }
+    if (taken.has('picked')) writeFileSync(join(out, 'page.jpg'), await joined(page, taken.get('picked').slice(0, 1), 'image/jpeg', kSizes[0][2]));
+    console.log(`${taken.size} states, ${(bytes / 1e6).toFixed(2)} MB so far`);
+    taken.clear();
+    await page.close();
+  };
   await visit(url, finished);
+  await write();
   if (!only || only.includes('training')) {
     trainer = spawn(program, ['train', join(run, 'scene'), '-o', join(folder, 'live_run'), '-n', '200000', '--view'], { stdio: ['ignore', 'ignore', 'pipe'] });
     const address = await new Promise((resolve) => {
@@ -124,14 +141,6 @@ await withBrowser(async (browser) => {
       trainer.stderr.on('data', (d) => { told += d; const found = /http:\/\/127\.0\.0\.1:\d+\//.exec(told); if (found) resolve(found[0]); });
     });
     await visit(address, training);
+    await write();
   }
-  const page = await browser.newPage();
-  let bytes = 0;
-  for (const [state, pictures] of taken) {
-    const file = await joined(page, pictures, 'image/webp', kHeight);
-    bytes += file.length;
-    writeFileSync(join(out, 'page', `${state}.webp`), file);
-  }
-  if (taken.has('picked')) writeFileSync(join(out, 'page.jpg'), await joined(page, taken.get('picked').slice(0, 1), 'image/jpeg', kSizes[0][2]));
-  console.log(`${taken.size} states, ${(bytes / 1e6).toFixed(2)} MB`);
 }, { cleanup: () => { server.kill('SIGTERM'); trainer?.kill('SIGKILL'); remove(folder); } });
