@@ -6,10 +6,12 @@ import { fileURLToPath } from 'node:url';
 
 const here = dirname(fileURLToPath(import.meta.url)), out = process.argv[2] ?? join(here, 'dist');
 mkdirSync(out, { recursive: true });
-await build({
-  entryPoints: [join(here, 'src/main.ts')], outfile: join(out, 'app.js'), bundle: true, minify: true, format: 'esm', target: 'es2021',
-  legalComments: 'none', absWorkingDir: here, logLevel: 'warning',
-});
+for (const [source, script, format] of [['main', 'app', 'esm'], ['start', 'start', 'iife']]) {
+  await build({
+    entryPoints: [join(here, `src/${source}.ts`)], outfile: join(out, `${script}.js`), bundle: true, minify: true, format, target: 'es2021',
+    legalComments: 'none', absWorkingDir: here, logLevel: 'warning',
+  });
+}
 const styles = readFileSync(join(here, 'node_modules/uplot/dist/uPlot.min.css'), 'utf8') + readFileSync(join(here, 'src/app.css'), 'utf8');
 writeFileSync(join(out, 'app.css'), styles);
 for (const name of ['index.html', 'favicon.svg']) copyFileSync(join(here, 'src', name), join(out, name));

@@ -8,12 +8,27 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "edit/edit_session.h"
 #include "io/output_place.h"
 #include "serve/export_file.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
+namespace {
+
+double megabytes(uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
+
+/// Before the file is written: what it is about to hold.
+void tell_html_size(const HtmlSize& size) {
+  std::string parts = fmt::format("splats {:.1f}", megabytes(size.splats));
+  if (size.mesh > 0) parts += fmt::format(", mesh {:.1f}", megabytes(size.mesh));
+  if (size.before + size.before_mesh > 0)
+    parts += fmt::format(", the room before its edits {:.1f}", megabytes(size.before + size.before_mesh));
+  log_info("about {:.1f} MB: {}, the page itself {:.1f}", megabytes(size.total()), parts, megabytes(size.page));
+}
+
+}  // namespace
 
 void add_export_command(CLI::App& program, CommandContext& context) {
   std::string notes;  // a line for each format
@@ -33,6 +48,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   struct Options {
     std::string run, scene, format, output, only;
     bool keep_frame = false, original_coordinates = false, mesh_only = false, splats_only = false;
+    bool no_before = false;
     RunExportOptions what;
   };
   auto options = std::make_shared<Options>();
@@ -42,8 +58,10 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       ->required();
   command->add_option("-o,--output", options->output,
                       "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
-  CLI::Option* only = command->add_option("--only", options->only, "glb, usda: mesh or splats alone (default: both)")
-                          ->check(CLI::IsMember({"mesh", "splats"}));
+  CLI::Option* only =
+      command
+          ->add_option("--only", options->only, "glb, usda: mesh or splats alone (default: both); html: splats alone")
+          ->check(CLI::IsMember({"mesh", "splats"}));
   CLI::Option* mesh_only =
       command->add_flag("--mesh-only", options->mesh_only, "the same as --only mesh")->excludes(only);
   command->add_flag("--splats-only", options->splats_only, "the same as --only splats")
@@ -64,6 +82,8 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       ->add_option("--texture-size", options->what.texture_size, "pixels, side of the texture at most (default: 4096)")
       ->check(CLI::Range(256, 16384));
   command->add_flag("--original", options->what.original, "leave out the edits of the run");
+  command->add_flag("--no-before", options->no_before,
+                    "html: leave out the room before its edits, and with it what they deleted");
   command->add_flag("--keep-frame", options->keep_frame,
                     "leave coordinates as they are (default: as room.json has them, if the run has it)");
   command
@@ -74,18 +94,24 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     // Before the run is opened, which takes seconds.
     for (char& c : options->format) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     require_export_format(options->format, run_export_formats());
-    const bool both = options->format == "glb" || options->format == "usda";
+    const bool html = options->format == "html", both = options->format == "glb" || options->format == "usda";
     RunExportOptions& what = options->what;
     if (options->only == "mesh" || options->mesh_only) what.parts = RoomParts::kMesh;
     if (options->only == "splats" || options->splats_only) what.parts = RoomParts::kSplats;
-    if (what.parts != RoomParts::kAll && !both)
-      throw_usage("one part alone is for -f glb and -f usda",
+    if (html && what.parts == RoomParts::kMesh)
+      throw_usage("the page always has splats", "leave the option out, or use --splats-only");
+    if (options->no_before && !html)
+      throw_usage("--no-before is for -f html", "other files hold the edited room alone");
+    what.before = !options->no_before;
+    if (what.parts != RoomParts::kAll && !both && !html)
+      throw_usage("one part alone is for -f glb, usda and html",
                   "leave the option out: " + options->format + " holds one kind of thing");
     const bool shaped = what.triangles > 0 || what.error > 0 || what.closed || what.textured;
-    if (shaped && (!holds_mesh(options->format) || what.parts == RoomParts::kSplats)) {
+    if (shaped && ((!holds_mesh(options->format) && !html) || what.parts == RoomParts::kSplats)) {
       throw_usage("--triangles, --error, --closed and --textured are for a mesh, and this file has none",
-                  "formats with a mesh: glb, collision.glb, obj, usda, usdz");
+                  "formats with a mesh: glb, collision.glb, obj, usda, usdz, html");
     }
+    if (what.textured && html) throw_usage("the mesh of the page has colours of its vertices", "leave --textured out");
     if (what.textured && options->format == "collision.glb")
       throw_usage("a collision mesh has no colours", "leave --textured out");
     if (!what.object.empty() && options->format.starts_with("plan."))
@@ -98,16 +124,22 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                        : options->keep_frame         ? ExportCoordinates::kScene
                                                      : ExportCoordinates::kRoom;
     EditSession session(options->run, {options->scene, context.global.threads});
+    if (html) tell_html_size(estimate_html_export(session, what));
     const RunExport made = export_run(session, options->format, what);
     const ExportReport& report = made.report;
     const std::filesystem::path& file = made.file;
     uint64_t bytes = 0;
     for (const std::filesystem::path& f : report.files) bytes += std::filesystem::file_size(f);
     if (context.global.json) {
-      nlohmann::json document = {{"file", file.string()},         {"bytes", bytes},
-                                 {"gaussians", report.gaussians}, {"objects", report.objects},
-                                 {"edits", made.edits},           {"aligned", made.aligned},
-                                 {"triangles", report.triangles}, {"triangles_before", report.triangles_before}};
+      nlohmann::json document = {{"file", file.string()},
+                                 {"bytes", bytes},
+                                 {"gaussians", report.gaussians},
+                                 {"objects", report.objects},
+                                 {"edits", made.edits},
+                                 {"aligned", made.aligned},
+                                 {"before", made.before},
+                                 {"triangles", report.triangles},
+                                 {"triangles_before", report.triangles_before}};
       document["files"] = nlohmann::json::array();
       for (const std::filesystem::path& f : report.files) document["files"].push_back(f.string());
       if (what.closed) document["open_edges"] = report.open_edges;
@@ -120,6 +152,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (report.triangles < report.triangles_before) text += fmt::format(" of {}", report.triangles_before);
     if (report.objects > 0) text += fmt::format(", {} objects", report.objects);
     if (made.edits > 0) text += ", with the edits of the run";
+    if (made.before) text += " and the room before them";
     if (what.closed) text += report.open_edges == 0 ? ", closed" : fmt::format(", open at {} edges", report.open_edges);
     std::printf("%s\n", text.c_str());
     if (what.triangles > 0 && report.triangles > what.triangles) {

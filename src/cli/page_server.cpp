@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "serve/page_notes.h"
 
 namespace aligngs {
 
@@ -22,6 +23,7 @@ PageServer::PageServer(PageServerOptions options) {
     edits_->serve(options.server);
     renders_ = std::make_unique<ViewRenders>(run, OpenRunOptions{options.scene, options.threads});
     renders_->serve(options.server);
+    serve_notes(run, options.server);
     serve_control(run, options.server, [this] { stop_asked_ = true; });
   }
   server_ = std::make_unique<ViewServer>(std::move(options.server));

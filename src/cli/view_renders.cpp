@@ -4,6 +4,7 @@
 
 #include "cli/pictures.h"
 #include "core/error.h"
+#include "core/free_memory.h"
 #include "io/image_file.h"
 #include "serve/plain_run.h"
 #include "train/run_control.h"
@@ -53,6 +54,7 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
     require_plain_run(folder_);
     run_.emplace(open_run(folder_, options_));
     run_->forget_model();
+    give_back_free_memory();
     opened_ = checkpoint;
   }
   const std::vector<View>& views = run_->scene.views;

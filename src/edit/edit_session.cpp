@@ -37,15 +37,14 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
   base_ = room_digest(original_);
   stack_ = read_edits(run / "edits.json");
   listed_ = edits_text(stack_);
-  room_ = rebuilt(stack_, changes_);
+  edited_ = rebuilt(stack_, changes_);
 }
 
 std::vector<Instance> EditSession::objects() const {
-  return list_instances(room_.gaussians.model, room_.gaussians.labels);
+  return list_instances(room().gaussians.model, room().gaussians.labels);
 }
 
-const TrainingState& EditSession::state() {
-  if (state_) return *state_;
+TrainingState EditSession::read_state() const {
   std::optional<TrainingState> state =
       read_latest_checkpoint(RunFolder(run_).checkpoints(), record_.fingerprint, CheckpointParts::kAll);
   if (!state) {
@@ -57,14 +56,13 @@ const TrainingState& EditSession::state() {
     throw_bad_input(RunFolder(run_).checkpoints(), "", "the checkpoint is of another training than scene.ply",
                     "finish the training: aligngs train ... --resume");
   }
-  state_ = std::make_unique<TrainingState>(std::move(*state));
-  return *state_;
+  return std::move(*state);
 }
 
 EditReport EditSession::carry_out(EditableRoom& room, const EditOperation& edit) {
   const bool asks_probabilities = edit.threshold.kind != ThresholdRule::Kind::kArgmax && room.gaussians.has_labels();
   if (asks_probabilities && room.gaussians.soft.label.empty()) {
-    if (soft_.label.empty()) soft_ = smoothed_labels(state().engine.model, original_.gaussians.extent, *pool_);
+    if (soft_.label.empty()) soft_ = smoothed_labels(read_state().engine.model, original_.gaussians.extent, *pool_);
     SoftLabels& soft = room.gaussians.soft;
     for (const GaussianOrigin& origin : room.origins) {
       const auto row = static_cast<std::ptrdiff_t>(SoftLabels::kTop * origin.row),
@@ -91,7 +89,8 @@ std::shared_ptr<const EditChange> EditSession::stored_change(const EditOperation
   return nullptr;
 }
 
-EditableRoom EditSession::rebuilt(std::vector<EditOperation>& stack, Changes& changes) {
+std::optional<EditableRoom> EditSession::rebuilt(std::vector<EditOperation>& stack, Changes& changes) {
+  if (stack.empty()) return {};
   EditableRoom room = original_;
   bool anew = false;  // rows of later changes may be others from here on
   for (size_t i = 0; i < stack.size(); ++i) {
@@ -127,7 +126,7 @@ void EditSession::follow_file() {
   std::string listed = edits_text(now);
   if (listed == listed_) return;
   Changes changes;
-  room_ = rebuilt(now, changes);
+  edited_ = rebuilt(now, changes);
   stack_ = std::move(now);
   changes_ = std::move(changes);
   listed_ = std::move(listed);
@@ -144,9 +143,9 @@ void EditSession::commit(std::vector<EditOperation>& stack, const Changes& chang
 }
 
 EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture) {
-  EditableRoom after = room_;
+  EditableRoom after = room();
   const EditReport report = carry_out(after, edit);
-  if (picture) *picture = compare(room_, after);
+  if (picture) *picture = compare(room(), after);
   return report;
 }
 
@@ -154,20 +153,21 @@ EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
   const EditLock lock(run_, describe(edit), patience_);
   follow_file();
   EditOperation canonical = edit;
-  canonical.select = selection_text(read_selection(room_, edit.select), room_.labels);
+  canonical.select = selection_text(read_selection(room(), edit.select), room().labels);
   canonical.number = changes_.empty() ? 1 : changes_.back()->number + 1;
   canonical.change.clear();
-  EditableRoom after = room_;
+  EditableRoom after = room();
   const EditReport report = carry_out(after, canonical);
-  if (picture) *picture = compare(room_, after);
+  if (picture) *picture = compare(room(), after);
   std::vector<EditOperation> stack = stack_;
   Changes changes = changes_;
   stack.push_back(canonical);
   changes.push_back(
-      std::make_shared<const EditChange>(difference(room_, after, canonical, report, canonical.number, base_)));
+      std::make_shared<const EditChange>(difference(room(), after, canonical, report, canonical.number, base_)));
   after = EditableRoom();
   commit(stack, changes);
-  apply_change(room_, *changes.back());
+  if (!edited_) edited_ = original_;
+  apply_change(*edited_, *changes.back());
   stack_ = std::move(stack);
   changes_ = std::move(changes);
   return report;
@@ -176,11 +176,11 @@ EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
 EditRequest EditSession::understand(std::string_view text) const {
   try {
     const EditRequest request = parse_request(text);
-    if (!request.undo) parse_selection(request.edit.select, vocabulary_of(room_));
+    if (!request.undo) parse_selection(request.edit.select, vocabulary_of(room()));
     return request;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;
-    throw with_readings(error, text, vocabulary_of(room_));
+    throw with_readings(error, text, vocabulary_of(room()));
   }
 }
 
@@ -198,17 +198,16 @@ EditOperation EditSession::undo(size_t number) {
   if (!stay) {
     for (size_t i = index; i < stack.size(); ++i) stack[i].change.clear();
   }
-  EditableRoom room = rebuilt(stack, changes);
+  std::optional<EditableRoom> edited = rebuilt(stack, changes);
   commit(stack, changes);
-  room_ = std::move(room);
+  edited_ = std::move(edited);
   stack_ = std::move(stack);
   changes_ = std::move(changes);
   return undone;
 }
 
-TrainingState EditSession::edited_state(const EditableRoom& room) {
-  TrainingState out = state();
-  const GaussianModel& trained = state().engine.model;
+TrainingState EditSession::edited_state(TrainingState out, const EditableRoom& room) {
+  const GaussianModel trained = std::move(out.engine.model);
   const size_t rows = trained.size(), channels = static_cast<size_t>(trained.semantic_channels);
   RestructurePlan plan;
   std::vector<float> semantics;
@@ -232,8 +231,8 @@ TrainingState EditSession::edited_state(const EditableRoom& room) {
 
 EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit, const std::string& command_line) {
   require_new_folder(out, {run_, scene_.folder});
-  state();  // before the work: a run without checkpoints has none
-  EditableRoom after = room_;
+  TrainingState trained = read_state();  // before the work: a run without checkpoints has none
+  EditableRoom after = room();
   const EditReport report = carry_out(after, edit);
   std::vector<EditOperation> done = stack_;
   done.push_back(edit);
@@ -241,11 +240,11 @@ EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit
   FolderReplacement replacement(out);
   const RunFolder paths(replacement.path());
   write_file_atomically(paths.config(), read_file(RunFolder(run_).config()));
-  const TrainingState state = edited_state(after);
+  const TrainingState state = edited_state(std::move(trained), after);
   write_checkpoint(paths.checkpoints(), state, record_.fingerprint, 1);
   write_room(replacement.path(), after);
   write_camera_outputs(paths, scene_, config_);
-  write_before_after(replacement.path() / "before_after.png", compare(room_, after));
+  write_before_after(replacement.path() / "before_after.png", compare(room(), after));
   if (edit.kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(after), *pool_);
   write_edited_record(paths.record(), record_, command_line, relative_scene_path(out, scene_.folder), run_, done,
                       after.gaussians.model.size());

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,8 +42,9 @@ class EditSession {
 
   const std::vector<EditOperation>& stack() const { return stack_; }
   const EditableRoom& original() const { return original_; }  ///< as trained
-  const EditableRoom& room() const { return room_; }          ///< with the stack applied
-  std::vector<Instance> objects() const;                      ///< of room()
+  /// With the stack applied; original() itself where there are no edits.
+  const EditableRoom& room() const { return edited_ ? *edited_ : original_; }
+  std::vector<Instance> objects() const;  ///< of room()
   ThreadPool& pool() { return *pool_; }
   const Scene& scene() const { return scene_; }
   const std::filesystem::path& folder() const { return run_; }
@@ -70,17 +72,18 @@ class EditSession {
  private:
   using Changes = std::vector<std::shared_ptr<const EditChange>>;  ///< of the edits of a stack
   /// Applies a stack to the trained room. `changes` are those of its first edits; the others are read, or found anew.
-  /// Edits that are carried out again lose the name of their file.
-  EditableRoom rebuilt(std::vector<EditOperation>& stack, Changes& changes);
+  /// Edits that are carried out again lose the name of their file. Nothing for an empty stack.
+  std::optional<EditableRoom> rebuilt(std::vector<EditOperation>& stack, Changes& changes);
   /// From the file of an edit; null where there is none that was made on this room.
   std::shared_ptr<const EditChange> stored_change(const EditOperation& edit) const;
   EditReport carry_out(EditableRoom& room, const EditOperation& edit);
   void follow_file();  ///< takes over edits that were made since the stack was read; under the lock
   /// Writes changes that no file has, and the list.
   void commit(std::vector<EditOperation>& stack, const Changes& changes);
-  const TrainingState& state();
+  /// The last checkpoint. It is larger than the room and is not kept.
+  TrainingState read_state() const;
   BeforeAfter compare(const EditableRoom& before, const EditableRoom& after) const;
-  TrainingState edited_state(const EditableRoom& room);
+  static TrainingState edited_state(TrainingState trained, const EditableRoom& room);
 
   std::filesystem::path run_;
   int threads_ = 0;
@@ -89,13 +92,13 @@ class EditSession {
   TrainConfig config_;
   RunRecord record_;
   Scene scene_;
-  EditableRoom original_, room_;
-  uint64_t base_ = 0;  ///< digest of original_
+  EditableRoom original_;
+  std::optional<EditableRoom> edited_;  ///< one room is held where there are no edits
+  uint64_t base_ = 0;                   ///< digest of original_
   std::vector<EditOperation> stack_;
   std::string listed_;  ///< content of edits.json that stack_ was read from or written to
   Changes changes_;
-  std::unique_ptr<TrainingState> state_;  ///< of the last checkpoint, when it was needed
-  SoftLabels soft_;                       ///< of the rows of original_, when a threshold needed them
+  SoftLabels soft_;  ///< of the rows of original_, when a threshold needed them
 };
 
 /// Gaussians, labels and mesh of a room moved so that the middle of their box is the origin; for a single object.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/error.h"
+#include "core/free_memory.h"
 #include "edit/edit_text.h"
 #include "edit/report_json.h"
 #include "io/base64.h"
@@ -38,6 +40,21 @@ Json request_of(const std::string& body, std::initializer_list<const char*> fiel
   return json;
 }
 
+/// Options of an export that leaves parts out, as "mesh,before".
+RunExportOptions without(const std::string& parts) {
+  RunExportOptions options;
+  std::istringstream list(parts);
+  for (std::string part; std::getline(list, part, ',');) {
+    if (part == "mesh")
+      options.parts = RoomParts::kSplats;
+    else if (part == "before")
+      options.before = false;
+    else
+      throw_usage("there is no part \"" + part.substr(0, 40) + "\" to leave out", "mesh, before");
+  }
+  return options;
+}
+
 /// Changes when a training went on, a mesh was made, or somebody else edited.
 std::string files_of(const fs::path& run) {
   std::vector<std::string> parts = {file_version(run / "edits.json"), file_version(run / "mesh" / "mesh.ply")};
@@ -67,6 +84,7 @@ EditSession& EditService::session() {
     redo_.clear();
     require_plain_run(options_.run);
     session_ = std::make_unique<EditSession>(options_.run, EditSessionOptions{options_.scene, options_.threads});
+    give_back_free_memory();
     opened_ = files;
   }
   return *session_;
@@ -145,10 +163,23 @@ std::string EditService::redo(const std::string& request) {
 }
 
 std::string EditService::export_file(const std::string& request) {
-  const std::string format = request_of(request, {"format"})["format"].get<std::string>();
+  const bool chosen = parse_json(request).contains("without");
+  const Json asked = chosen ? request_of(request, {"format", "without"}) : request_of(request, {"format"});
+  const std::string format = asked["format"].get<std::string>();
   require_export_format(format, run_export_formats());
-  const RunExport made = export_run(session(), format);
+  const RunExport made =
+      export_run(session(), format, chosen ? without(asked["without"].get<std::string>()) : RunExportOptions());
   return json_line(Json{{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
+}
+
+std::string EditService::estimate(const std::string& request) {
+  if (request_of(request, {"format"})["format"] != "html") throw_usage("only html tells its size before it is written");
+  const HtmlSize size = estimate_html_export(session());
+  return json_line(Json{{"page", size.page},
+                        {"splats", size.splats},
+                        {"mesh", size.mesh},
+                        {"before", size.before},
+                        {"before_mesh", size.before_mesh}});
 }
 
 std::optional<GetAnswer> EditService::scene(const std::string& path) {
@@ -167,17 +198,28 @@ std::optional<GetAnswer> EditService::mesh() {
   return GetAnswer{"application/octet-stream", {}, std::make_shared<const std::string>(mesh_ply(mesh)), {}};
 }
 
+std::string EditService::lean(std::string (EditService::*call)(const std::string&), const std::string& request) {
+  struct GiveBack {
+    ~GiveBack() { give_back_free_memory(); }
+  } at_the_end;
+  return (this->*call)(request);
+}
+
 void EditService::serve(ViewServerOptions& options) {
   options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> {
     return GetAnswer{"application/json", list(), {}, {}};
   };
   options.get["/api/edits/scene/"] = [this](const std::string& path) { return scene(path); };
   options.get["/api/edits/mesh.ply"] = [this](const std::string&) { return mesh(); };
-  options.post["/api/edits/preview"] = [this](const std::string& body) { return preview(body); };
-  options.post["/api/edits/push"] = [this](const std::string& body) { return push(body); };
-  options.post["/api/edits/undo"] = [this](const std::string& body) { return undo(body); };
-  options.post["/api/edits/redo"] = [this](const std::string& body) { return redo(body); };
-  options.post["/api/export"] = [this](const std::string& body) { return export_file(body); };
+  const auto post = [&](const char* path, std::string (EditService::*call)(const std::string&)) {
+    options.post[path] = [this, call](const std::string& body) { return lean(call, body); };
+  };
+  post("/api/edits/preview", &EditService::preview);
+  post("/api/edits/push", &EditService::push);
+  post("/api/edits/undo", &EditService::undo);
+  post("/api/edits/redo", &EditService::redo);
+  post("/api/export/size", &EditService::estimate);
+  post("/api/export", &EditService::export_file);
 }
 
 void serve_control(const fs::path& run, ViewServerOptions& options, std::function<void()> stop_asked) {

@@ -40,8 +40,12 @@ class EditService {
   std::string push(const std::string& request);
   std::string undo(const std::string& request);  ///< {} -> list() with "undone"
   std::string redo(const std::string& request);  ///< {} -> list() with "report"
-  /// {"format": NAME} -> {"file": path below the run folder, "bytes"}
+  /// {"format": NAME} -> {"file": path below the run folder, "bytes"}. {"format": "html", "without": PARTS} leaves out
+  /// parts, a list of "mesh" and "before" with commas.
   std::string export_file(const std::string& request);
+  /// {"format": "html"} -> {"page", "splats", "mesh", "before", "before_mesh"}: bytes that the file would have
+  /// (HtmlSize).
+  std::string estimate(const std::string& request);
 
   /// The difference that the edits make to the splats of a file of the run, for a page that has them (edited_scene.h).
   /// Nothing for other
@@ -50,12 +54,14 @@ class EditService {
   /// The edited mesh as PLY; nothing when the run has none.
   std::optional<GetAnswer> mesh();
 
-  /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, and POST /api/edits/{preview,push,undo,redo} and
-  /// /api/export. The service must outlive the server.
+  /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, POST /api/edits/{preview,push,undo,redo},
+  /// /api/export and /api/export/size. The service must outlive the server.
   void serve(ViewServerOptions& options);
 
  private:
   EditSession& session();
+  /// Runs one request. Memory that it freed goes back to the system, as the session stays for hours.
+  std::string lean(std::string (EditService::*call)(const std::string&), const std::string& request);
   std::string undone(size_t number);
   nlohmann::json stack();  ///< what list() writes
   /// list() after a change of the stack, with one more field.

@@ -11,7 +11,6 @@
 #include "room/plan/plan_files.h"
 #include "room/room_json.h"
 #include "scene/scene_json.h"
-#include "serve/html_export.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
@@ -54,6 +53,43 @@ double millimetre(const EditSession& session, const std::optional<MeasuredRoom>&
                   "give it one with aligngs scale, or use --triangles");
 }
 
+/// A room to be exported, and the pieces that it was made of.
+struct ChosenRoom {
+  ChosenRoom(EditSession& session, const RunExportOptions& options)
+      : whole(options.original ? session.original() : session.room()) {
+    if (!options.object.empty()) chosen = chosen_objects(whole, options.object, session.pool());
+  }
+  const EditableRoom& room() const { return chosen ? *chosen : whole; }
+
+  const EditableRoom& whole;
+  std::optional<EditableRoom> chosen;
+};
+
+HtmlSceneInfo html_info(const EditSession& session) {
+  const std::filesystem::path& run = session.folder();
+  HtmlSceneInfo info;
+  info.name = std::filesystem::weakly_canonical(run).filename().string();
+  info.metric = session.scene().metric;
+  info.cameras = run / "cameras.json";
+  info.room = run / "room.json";
+  info.notes = run / "page.json";
+  return info;
+}
+
+HtmlParts html_parts(const EditSession& session, const RunExportOptions& options, const ChosenRoom& chosen) {
+  HtmlParts parts{.room = chosen.room(), .mesh = options.parts != RoomParts::kSplats};
+  const bool edited = !options.original && !session.stack().empty() && !chosen.chosen;
+  const double trained = static_cast<double>(session.original().gaussians.model.size());
+  if (options.before && edited && trained <= kMostBefore * static_cast<double>(parts.room.gaussians.model.size()))
+    parts.before = &session.original();
+  MeshOptions& mesh = parts.mesh_options;
+  mesh.triangles = options.triangles;
+  if (options.error > 0) mesh.error = options.error * millimetre(session, room_of(session.folder()));
+  mesh.closed = options.closed;
+  if (!mesh.simplified()) mesh.triangles = kHtmlTriangles;
+  return parts;
+}
+
 }  // namespace
 
 std::vector<std::string> formats_of_run(const std::filesystem::path& run) {
@@ -81,19 +117,17 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
     out.report = {.files = {out.file}, .objects = measured->boxes.size()};
     return out;
   }
-  const EditableRoom& whole = options.original ? session.original() : session.room();
-  std::optional<EditableRoom> chosen;
-  if (!options.object.empty()) chosen = chosen_objects(whole, options.object, session.pool());
-  const EditableRoom& room = chosen ? *chosen : whole;
+  const ChosenRoom chosen(session, options);
+  const EditableRoom& room = chosen.room();
   if (format == "html") {
-    HtmlSceneInfo info;
-    info.name = std::filesystem::weakly_canonical(session.folder()).filename().string();
-    info.metric = session.scene().metric;
-    info.cameras = session.folder() / "cameras.json";
-    write_html(out.file, room, info);
+    const HtmlParts parts = html_parts(session, options, chosen);
+    const HtmlReport written = write_html(out.file, parts, html_info(session), session.pool());
+    out.before = parts.before != nullptr;
     out.report = {.files = {out.file},
                   .gaussians = room.gaussians.model.size(),
-                  .objects = list_instances(room.gaussians.model, room.gaussians.labels).size()};
+                  .objects = list_instances(room.gaussians.model, room.gaussians.labels).size(),
+                  .triangles = written.triangles,
+                  .triangles_before = written.triangles_before};
     return out;
   }
   out.aligned = moves && measured.has_value();
@@ -125,6 +159,11 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   }
   out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);
   return out;
+}
+
+HtmlSize estimate_html_export(EditSession& session, const RunExportOptions& options) {
+  const ChosenRoom chosen(session, options);
+  return estimate_html(html_parts(session, options, chosen), html_info(session));
 }
 
 }  // namespace aligngs

@@ -7,6 +7,7 @@
 
 #include "edit/edit_session.h"
 #include "edit/export/scene_export.h"
+#include "serve/html_export.h"
 
 namespace aligngs {
 
@@ -26,6 +27,10 @@ enum class ExportCoordinates {
 
 /// Triangles of a mesh with a texture, where no other limit is given.
 inline constexpr size_t kTexturedTriangles = 100000;
+/// Triangles of the mesh of an exported page, where no other limit is given: about half a megabyte.
+inline constexpr size_t kHtmlTriangles = 100000;
+/// An exported page has the room before its edits when that has at most this many times as many splats.
+inline constexpr double kMostBefore = 1.5;
 
 struct RunExportOptions {
   bool original = false;       ///< without the edits of the run
@@ -38,6 +43,7 @@ struct RunExportOptions {
   bool closed = false;      ///< close the holes of the mesh
   bool textured = false;    ///< a texture from the photos; always for usdz
   int texture_size = 4096;  ///< pixels, side of the texture at most
+  bool before = true;       ///< html: the room before its edits, too, where that is cheap (kMostBefore)
 };
 
 struct RunExport {
@@ -45,6 +51,7 @@ struct RunExport {
   ExportReport report;
   size_t edits = 0;      ///< of the run's stack that the file has
   bool aligned = false;  ///< the file is in the room's own frame
+  bool before = false;   ///< html: the file has the room before its edits, too
 };
 
 /// Writes the room of a session. The default file is scene.<format> in the run,
@@ -57,5 +64,8 @@ struct RunExport {
 /// millimetres where no scale is known. Error{kUsage} for a file of the run or its
 /// scene, and errors as export_room's and chosen_objects'.
 RunExport export_run(EditSession& session, const std::string& format, const RunExportOptions& options = {});
+
+/// Size that export_run's html would have, before it is written. Errors as export_run's.
+HtmlSize estimate_html_export(EditSession& session, const RunExportOptions& options = {});
 
 }  // namespace aligngs

@@ -9,9 +9,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Files that a run reads and writes; its scene has a place of its own, which may be anywhere.
-constexpr const char* kParts[] = {
-    "run.json",         "config.toml", "classes.json", "cameras.json", "room.json", "edits.json", "scene.ply",
-    "scene.labels.ply", "checkpoints", "edits",        "mesh",         "object",    "live",       "control"};
+constexpr const char* kParts[] = {"run.json",         "config.toml", "classes.json", "cameras.json",
+                                  "room.json",        "edits.json",  "page.json",    "scene.ply",
+                                  "scene.labels.ply", "checkpoints", "edits",        "mesh",
+                                  "object",           "live",        "control"};
 
 void require_plain(const fs::path& root, const fs::path& path) {
   std::error_code error;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/free_memory.h"
 #include "io/json_text.h"
 #include "serve/compact_scene.h"
 #include "serve/splat_table.h"
@@ -44,6 +45,8 @@ SceneService::Prepared SceneService::prepared(const std::string& path, const Ser
                       std::make_shared<const std::string>(std::move(made.rest)),
                       std::make_shared<const ShownSplats>(ShownSplats{std::move(made.order), table.harmonics.size()})});
   if (scenes_.size() > kKept) scenes_.pop_back();
+  table = {};
+  give_back_free_memory();
   return scenes_.front();
 }
 

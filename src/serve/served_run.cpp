@@ -7,6 +7,7 @@
 #include "io/json_text.h"
 #include "scene/label_set.h"
 #include "serve/file_version.h"
+#include "serve/page_notes.h"
 #include "serve/request_body.h"
 #include "train/run_control.h"
 
@@ -33,6 +34,16 @@ class RunDescriptions {
       return problem(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
     Json json = parse_json(*text);
     return json.is_discarded() ? Json() : json;  // a file that is being replaced
+  }
+  /// The views and measurements of page.json; null without any.
+  Json notes(const fs::path& root) {
+    const Json stored = read(root, "page.json");
+    if (stored.is_null()) return nullptr;
+    try {
+      return page_notes_json(read_page_notes(json_line(stored), "page.json"));
+    } catch (const Error& error) {
+      return problem(error.what());
+    }
   }
   const Json& problems() const { return problems_; }
 
@@ -158,12 +169,12 @@ fs::path ServedRun::scene_folder() const {
 }
 
 std::string ServedRun::state() const {
-  Json state = {
-      {"splats", nullptr},  {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
-      {"classes", nullptr}, {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
-      {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
-      {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
-      {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()}};
+  Json state = {{"splats", nullptr},  {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
+                {"classes", nullptr}, {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
+                {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
+                {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
+                {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()},
+                {"notes", nullptr}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -206,6 +217,7 @@ std::string ServedRun::state() const {
   state["views"] = rendered_views(root_);
   state["report"] = has_file(root_, "report.html");
   if (has_file(root_, "room.json")) state["room"] = "room.json";
+  state["notes"] = descriptions.notes(root_);
   if (!scene.empty()) {
     const Json description = descriptions.read(scene, "scene.json");
     state["up"] = field(description, "up");
@@ -215,11 +227,24 @@ std::string ServedRun::state() const {
   return json_line(state);
 }
 
+std::vector<std::string> ServedRun::first_requests() const {
+  std::vector<std::string> requests = {"/api/state"};
+  const Json now = parse_json(state());
+  const auto is_plain = [](const std::string& path) {
+    return path.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-/") == path.npos;
+  };
+  if (now["splats"].is_string() && is_plain(now["splats"].get<std::string>())) {
+    requests.push_back("/api/scene/coarse/" + now["splats"].get<std::string>() +
+                       "?v=" + now["version"].get<std::string>());
+  }
+  return requests;
+}
+
 std::string ServedRun::signature() const {
   if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
   for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json",
-                           "mesh/mesh.ply", "metrics.json", "report.html"}) {
+                           "mesh/mesh.ply", "metrics.json", "report.html", "page.json"}) {
     text += "/" + file_version(root_ / name);
   }
   return text;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "serve/served_file.h"
 
@@ -21,7 +22,7 @@ class ServedRun {
 
   /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "edits", "drawable", "splats", "mesh",
   /// "version",
-  /// "up", "units", "classes", "cameras", "views", "train", "report", "room", "not_editable", "problems"}. "splats" and
+  /// "up", "units", "classes", "cameras", "views", "train", "report", "room", "notes", "not_editable", "problems"}. "splats" and
   /// "mesh" are
   /// paths below /files/, null when absent. They are the live snapshot of a training, else the trained room. "version"
   /// changes with these files. "edited" tells whether the run has edits; /api/edits/scene/ has what they did. "edits"
@@ -31,10 +32,14 @@ class ServedRun {
   /// "drawable" whether the server draws pictures. "stages" lists {"name", "state": "done" | "now"
   /// | "waiting"}. "up" is the unit up vector or null. "views" tells per picture name which renders exist. "room" is
   /// the path
-  /// of room.json or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files
+  /// of room.json or null. "notes" are the views and measurements of page.json (page_notes.h) or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files
   /// that are
   /// too large or nested too deeply. Unreadable parts (a file that is being replaced) are null.
   std::string state() const;
+
+  /// Addresses that a page asks for first, so that a browser may fetch them while it reads the page. They are the state
+  /// and the splats of the first picture. Splats of a file whose name has other than plain letters are left out.
+  std::vector<std::string> first_requests() const;
 
   /// A file of the run folder; of a single PLY only the file itself.
   std::optional<ServedFile> file(std::string_view relative) const;

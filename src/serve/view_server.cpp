@@ -165,6 +165,10 @@ struct ViewServer::State {
     afresh.erase(http::field::if_none_match);
     HttpAnswer answer = download_answer(afresh, std::move(download));
     answer.head.set(http::field::cache_control, "no-store");
+    std::string links;
+    for (const std::string& address : run.first_requests())
+      links += (links.empty() ? "<" : ", <") + address + ">; rel=preload; as=fetch; crossorigin";
+    answer.head.set(http::field::link, links);
     answer.head.set(http::field::set_cookie, "aligngs_" + port_of(view_of(request[http::field::host])) + "=" + token +
                                                  "; SameSite=Strict; Path=/");
     return answer;

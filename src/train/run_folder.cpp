@@ -16,11 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Files that a run writes into its folder; scene/, a possible input, is not in the list.
-constexpr std::array<std::string_view, 22> kProducts = {
+constexpr std::array<std::string_view, 23> kProducts = {
     "run.json",  "config.toml",  "events.ndjson", "checkpoints",  "scene.ply",       "scene.labels.ply",
     "scene.glb", "classes.json", "cameras.json",  "sparse",       "transforms.json", "mesh",
     "renders",   "metrics.json", "report.html",   "overview.jpg", "edits.json",      "edits",
-    "log.txt",   "control",      "live",          "room.json"};
+    "log.txt",   "control",      "live",          "room.json",    "page.json"};
 // written by commands that are asked to
 constexpr std::array<std::string_view, 2> kReplaceable = {"scene.glb", "mesh"};
 constexpr std::string_view kSceneFolder = "scene";

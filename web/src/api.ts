@@ -1,7 +1,10 @@
 // The server's description of a run (src/serve/served_run.h), the stream of its events, and the page's requests. In an
 // exported page (src/serve/html_export.h) the scene is in the file and there is no server.
 import { type Columns } from './columns';
-import { unpackScene } from './packed_scene';
+import { type PlyMesh } from './mesh_ply';
+import { type Notes } from './notes';
+import { unpackMesh } from './packed_mesh';
+import { embeddedBytes, unpackScene } from './packed_scene';
 
 export interface ClassInfo { id: number; name: string; synonyms: string[]; color: [number, number, number]; gaussians?: number }
 export interface CameraInfo {
@@ -21,6 +24,7 @@ export interface RunState {
   train: { iterations?: number; gaussians?: number; seconds?: number } | null;
   report: boolean;
   room: string | null;                // path of room.json
+  notes: Notes | null;                // saved views and measurements
   not_editable: string | null;        // why edits, pictures and exports are not there
   problems: string[];                 // files of the run that cannot be read
 }
@@ -35,9 +39,8 @@ export interface EditReport {
   gaussians_after: number; filled_gaussians: number; left_behind: string[]; picture?: string | null; view?: string;
 }
 
-const embedded = document.getElementById('aligngs-scene');
 /// Whether the page came from a file, without a server.
-export const kExported = embedded !== null;
+export const kExported = document.getElementById('aligngs-scene') !== null;
 
 export const fileUrl = (path: string, version = ''): string =>
   '/files/' + path.split('/').map(encodeURIComponent).join('/') + (version ? '?v=' + encodeURIComponent(version) : '');
@@ -45,17 +48,41 @@ export const editedMeshUrl = (version: string): string => `/api/edits/mesh.ply?v
 export const photoUrl = (view: string): string => '/api/photo/' + encodeURIComponent(view);
 export const renderUrl = (view: string, kind: string): string => `/api/render/${encodeURIComponent(view)}/${kind}.png`;
 
-let exported: Columns | null = null;
-/// The splats of an exported page, after fetchState().
-export const exportedColumns = async (): Promise<Columns> => exported!;
+let exported: { columns: Columns; room: unknown } | null = null;
+/// The trained splats of an exported page, after fetchState().
+export const exportedColumns = (): Columns => exported!.columns;
+/// Differences that the edits of an exported page make (edited_scene.ts).
+export const exportedEdits = (): Uint8Array => embeddedBytes('aligngs-edits')!;
+/// The mesh of an exported page, with or before its edits.
+export const exportedMesh = (before: boolean): Promise<PlyMesh> => unpackMesh(embeddedBytes(before ? 'aligngs-mesh-before' : 'aligngs-mesh') as BlobPart);
 
-export async function fetchState(): Promise<RunState> {
-  if (embedded) {
-    const { state, columns } = await unpackScene(embedded.textContent!.trim());
-    exported = columns;
-    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
+let ahead: Promise<RunState> | null = null;
+/// Begins to read the state; the next fetchState() has it.
+export function fetchAhead(): void {
+  ahead = readState();
+  ahead.catch(() => {}); // told by fetchState
+}
+
+export function fetchState(): Promise<RunState> {
+  const state = ahead ?? readState();
+  ahead = null;
+  return state;
+}
+
+async function readState(): Promise<RunState> {
+  if (kExported) {
+    const { state, columns, room } = await unpackScene(embeddedBytes('aligngs-scene') as BlobPart);
+    exported = { columns, room };
+    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, notes: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
   }
   return answered(await request('/api/state'));
+}
+
+/// room.json of the run; null when it cannot be read.
+export async function fetchRoom(path: string): Promise<unknown> {
+  if (kExported) return exported!.room;
+  const answer = await request(fileUrl(path));
+  return answer.ok ? answer.json() : null;
 }
 
 /// fetch() with an error that a reader understands: the browser's own is "Failed to fetch".
@@ -85,7 +112,7 @@ const token = (): string => new RegExp(`(?:^|; )aligngs_${location.port || '80'}
 /// Fetches the page again: with it comes the token of a server that was started anew.
 export async function signIn(): Promise<void> { await request('/', { cache: 'no-store' }); }
 
-export async function post<T>(path: string, body: Record<string, string>): Promise<T> {
+export async function post<T>(path: string, body: object): Promise<T> {
   const send = () => request(path, {
     method: 'POST', headers: { 'Content-Type': 'application/json', 'X-AlignGS-Token': token() }, body: JSON.stringify(body),
   });

@@ -1,6 +1,7 @@
 // Edits by name: the text box, the buttons of a clicked object, undo and redo, exports.
 import { fetchEdits, fileUrl, kExported, post, type EditList, type EditReport, type RunState } from './api';
 import { element } from './dom';
+import { askHtmlExport } from './export_dialog';
 import { type Messages } from './messages';
 
 
@@ -88,8 +89,13 @@ export class EditPanel {
   closePreview(): void { element<HTMLDialogElement>('preview').close(); }
 
   async download(format: string): Promise<void> {
+    let without: string | null = '';
+    if (format === 'html') {
+      try { without = await askHtmlExport(); } catch (e) { this.messages.error(e); return; }
+    }
+    if (without === null) return;
     await this.work(`writing ${format} ...`, async () => {
-      const { file, bytes } = await post<{ file: string; bytes: number }>('/api/export', { format });
+      const { file, bytes } = await post<{ file: string; bytes: number }>('/api/export', format === 'html' ? { format, without } : { format });
       const link = document.createElement('a');
       link.href = fileUrl(file, String(Date.now()));
       link.download = file;

@@ -1,4 +1,5 @@
 // The page of `aligngs view`.
+import { fetchAhead } from './api';
 import { element } from './dom';
 import { Messages } from './messages';
 import { Page } from './page';
@@ -6,6 +7,7 @@ import { Viewer } from './viewer';
 
 async function main(): Promise<void> {
   try {
+    fetchAhead(); // while the graphics unit is being opened, which takes most of the time to the first picture
     const viewer = await Viewer.create(element<HTMLCanvasElement>('canvas'));
     const page = new Page(viewer);
     (window as unknown as Record<string, unknown>).aligngs = { viewer, page, ready: page.start().then(() => true) };

@@ -1,6 +1,6 @@
 // The page's parts and how they belong together.
 import { Vec3 } from 'playcanvas';
-import { editedMeshUrl, fetchState, fileUrl, kExported, listen, type RunState } from './api';
+import { editedMeshUrl, exportedMesh, fetchState, fileUrl, kExported, listen, type RunState } from './api';
 import { ClassList } from './class_list';
 import { Comparison } from './comparison';
 import { element } from './dom';
@@ -8,8 +8,10 @@ import { EditPanel } from './edits';
 import { joystick } from './joystick';
 import { bindKeys, showKeys, type Key } from './keys';
 import { lookedAt } from './looked_at';
+import { Measures } from './measures';
 import { Messages } from './messages';
 import { Navigation, type Mode, type Pose } from './navigation';
+import { NoteKeeper } from './notes';
 import { ObjectList } from './object_list';
 import { PathPanel } from './path_panel';
 import { bindPicture } from './picture';
@@ -27,12 +29,12 @@ const kFlyDistance = 2.2;  // of an object's size, from where it is looked at
 
 export class Page {
   private state!: RunState;
-  private ruler: Vec3[] | null = null;
   private frustaShown = false;
   private showsOriginal = false;
   private mode: 'splats' | 'mesh' = 'splats';
   private loadedSplats = '';
   private loading: Promise<void> | null = null;
+  private planned: Promise<void> = Promise.resolve(); // sizes of objects are known
   private home: Pose | null = null; // stays the same while more splats come
   readonly navigation: Navigation;
   private loader = new SceneLoader();
@@ -44,7 +46,9 @@ export class Page {
   readonly selection: Selection;
   readonly comparison: Comparison;
   readonly plan = new Plan((place) => this.goTo(place));
+  readonly notes = new NoteKeeper(() => this.showNotes(), (e) => this.messages.error(e));
   readonly views: SavedViews;
+  readonly measures: Measures;
   readonly path: PathPanel;
 
   constructor(private viewer: Viewer) {
@@ -55,7 +59,8 @@ export class Page {
       hide: (hidden) => viewer.hideObjects(hidden),
     });
     this.selection = new Selection(viewer, this.objects);
-    this.views = new SavedViews(() => this.navigation.pose, (pose) => this.look(pose.eye, pose.target), (text) => this.messages.show(text));
+    this.measures = new Measures(viewer, this.notes, this.messages);
+    this.views = new SavedViews(viewer, this.notes, () => this.navigation.pose, (pose) => this.look(pose.eye, pose.target), (text) => this.messages.show(text));
     this.path = new PathPanel({
       get: () => {
         const { eye, target } = this.navigation.pose;
@@ -112,9 +117,10 @@ export class Page {
       element('original').hidden = !s.edited;
       if (!s.edited) this.setOriginal(false);
       this.comparison.refresh(s);
-      this.views.open(s.name);
+      this.viewer.setUp(this.up());
+      this.notes.open(s);
       this.path.restore(s.name);
-      await this.plan.refresh(s.room, s.version).catch(() => {});
+      this.planned = this.plan.refresh(s.room, s.version).catch(() => {});
       await this.loadShown();
       element<HTMLButtonElement>('show-mesh').disabled = !s.mesh;
       if (s.problems.length > 0) this.messages.show(`The run has files that cannot be read: ${s.problems.join('; ')}.`, 'error');
@@ -131,25 +137,36 @@ export class Page {
     this.comparison.tellEdited(edits !== null);
     const wanted = `${path}?${s.version} ${edits}`;
     if (wanted === this.loadedSplats) return;
-    this.viewer.setUp(this.up());
     const begins = this.loadedSplats === '';
-    await this.loader.load(path, s.version, edits, begins, (columns, first) => {
+    await this.loader.load(path, s.version, edits, begins, async (columns, first) => {
       this.viewer.setSplats(columns);
       this.loadedSplats = wanted;
       this.viewer.mesh = null;
       this.navigation.room = this.viewer.room;
       this.classes.build(this.viewer.splats?.labels ?? null, s);
-      this.listObjects();
       this.applyStyles();
       if (this.mode === 'mesh') this.showMode(s.mesh ? 'mesh' : 'splats');
       if (this.frustaShown) this.viewer.setFrusta(s.cameras ?? [], 0.25);
-      if (!begins || !first) return;
-      this.messages.clear();
-      this.startPose();
-      const linked = poseOf(location.hash);
-      if (linked) this.look(linked.eye, linked.target);
-      performance.mark('aligngs-first-picture');
+      if (begins && first) {
+        this.messages.clear();
+        this.startPose();
+        const linked = poseOf(location.hash);
+        if (linked) this.look(linked.eye, linked.target);
+      }
+      await this.listLater();
     });
+  }
+
+  private showNotes(): void {
+    this.views.show();
+    this.measures.show(this.state.units === 'metres');
+  }
+
+  /// Lists the objects after the next picture, which does not need them.
+  private async listLater(): Promise<void> {
+    const shown = this.viewer.splats;
+    await Promise.all([this.planned, this.viewer.nextPicture()]);
+    if (shown === this.viewer.splats) this.listObjects();
   }
 
   private listObjects(): void {
@@ -245,23 +262,15 @@ export class Page {
     if (mode === 'mesh' && !this.viewer.mesh && this.state.mesh) {
       this.messages.show('loading the mesh', 'work');
       const { mesh, version, edits } = this.state;
-      this.viewer.loadMesh(edits && !this.showsOriginal ? editedMeshUrl(version + edits) : fileUrl(mesh, version)).then(() => { this.messages.clear(); apply(); }, (e) => this.messages.error(e));
+      const loaded = kExported ? exportedMesh(this.state.edited && this.showsOriginal).then((m) => this.viewer.setMesh(m))
+        : this.viewer.loadMesh(edits && !this.showsOriginal ? editedMeshUrl(version + edits) : fileUrl(mesh, version));
+      loaded.then(() => { this.messages.clear(); apply(); }, (e) => this.messages.error(e));
     } else if (mode === 'splats' || this.viewer.mesh) apply();
   }
 
   private clicked(x: number, y: number): void {
     const found = this.viewer.pick(x, y);
-    if (this.ruler) {
-      if (!found) { this.messages.show('nothing there to measure: click on a surface'); return; }
-      if (this.ruler.length === 2) this.ruler = [];
-      this.ruler.push(found.point);
-      this.viewer.setRuler(this.ruler);
-      if (this.ruler.length === 2) {
-        const d = this.ruler[0].distance(this.ruler[1]);
-        this.messages.show(this.state.units === 'metres' ? `${d.toFixed(3)} m` : `${d.toFixed(3)} scene units`, 'result');
-      } else this.messages.show('click the second point', 'work');
-      return;
-    }
+    if (this.measures.active) { this.measures.click(found?.point ?? null); return; }
     this.selection.pick(found);
   }
 
@@ -271,13 +280,6 @@ export class Page {
     this.selection.clear();
     const color = element<HTMLInputElement>('picked-color').value;
     void this.edits.apply(verb === 'recolor' ? `recolor ${object} to ${color}` : verb === 'delete' ? `delete ${object} --fill` : `${verb} ${object}`);
-  }
-
-  private toggleRuler(): void {
-    this.ruler = this.ruler ? null : [];
-    element('measure').setAttribute('aria-pressed', String(!!this.ruler));
-    this.viewer.setRuler([]);
-    this.messages.show(this.ruler ? 'click two points to measure' : '', 'work');
   }
 
   private toggleFrusta(): void {
@@ -296,7 +298,7 @@ export class Page {
     on('show-splats', 'click', () => this.showMode('splats'));
     on('show-mesh', 'click', () => this.showMode('mesh'));
     on('overlay', 'input', () => this.applyStyles());
-    on('measure', 'click', () => this.toggleRuler());
+    on('measure', 'click', () => this.measures.toggle());
     on('frusta', 'click', () => this.toggleFrusta());
     on('home', 'click', () => this.startPose());
     on('walk', 'click', () => this.setMode(this.navigation.mode === 'walk' ? 'orbit' : 'walk'));
@@ -304,7 +306,7 @@ export class Page {
     on('plan-close', 'click', () => this.togglePlan());
     joystick(element('stick'), (right, forward) => { this.navigation.stick = { right, forward }; this.navigation.run(); });
     this.viewer.canvas.addEventListener('pointermove', (e) => {
-      if (e.pointerType === 'mouse' && e.buttons === 0 && !this.ruler && !this.comparison.camera) this.selection.hover({ x: e.clientX, y: e.clientY });
+      if (e.pointerType === 'mouse' && e.buttons === 0 && !this.measures.active && !this.comparison.camera) this.selection.hover({ x: e.clientX, y: e.clientY });
       else if (e.buttons !== 0) this.selection.hover(null);
     });
     window.addEventListener('hashchange', () => { const pose = poseOf(location.hash); if (pose) this.look(pose.eye, pose.target); });
@@ -335,7 +337,7 @@ export class Page {
   private escape(): void {
     if (this.path.playing) this.path.toggle();
     else if (!element('plan').hidden) this.togglePlan();
-    else if (this.ruler) this.toggleRuler();
+    else if (this.measures.active) this.measures.toggle();
     else if (this.comparison.camera) this.startPose();
     else if (this.navigation.mode === 'walk') this.setMode('orbit');
     this.selection.clear();
@@ -351,7 +353,7 @@ export class Page {
     { keys: ['l'], shown: 'l', does: 'label colours on or off', here: () => !!this.viewer.splats?.labels,
       action: () => this.overlay(Number(element<HTMLInputElement>('overlay').value) > 0 ? 0 : 70) },
     { keys: ['c'], shown: 'c', does: 'cameras', here: () => (this.state.cameras ?? []).length > 0, action: () => this.toggleFrusta() },
-    { keys: ['m'], shown: 'm', does: 'measure', action: () => this.toggleRuler() },
+    { keys: ['m'], shown: 'm', does: 'measure', action: () => this.measures.toggle() },
     { keys: ['k'], shown: 'k', does: 'add the view to the camera path', action: () => this.path.add() },
     { keys: ['n', 'p'], shown: 'n, p', does: 'next, previous photo', here: () => !kExported && (this.state.cameras ?? []).length > 0,
       action: (key) => this.comparison.next(key === 'n' ? 1 : -1) },

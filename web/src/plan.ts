@@ -1,6 +1,6 @@
 // The floor plan of room.json (docs/room.md), with the place of the camera. A click goes there.
 import { Mat4, Vec3 } from 'playcanvas';
-import { fileUrl, request } from './api';
+import { fetchRoom } from './api';
 import { element } from './dom';
 import { type MeasuredSizes } from './scene_objects';
 
@@ -38,9 +38,9 @@ export class Plan {
     element('plan-button').hidden = !path;
     if (!path) { this.room = null; this.sizes.clear(); this.loaded = ''; return; }
     if (this.loaded === version) return;
-    const answer = await request(fileUrl(path));
-    if (!answer.ok) return;
-    this.room = await answer.json() as RoomFile;
+    const room = await fetchRoom(path);
+    if (!room) return;
+    this.room = room as RoomFile;
     this.loaded = version;
     const m = this.room.frame.world_to_room, rows = m.flat();
     // Row-major in the file, column-major here.

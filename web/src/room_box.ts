@@ -17,8 +17,10 @@ export class RoomBox {
   static of(points: Vec3[]): RoomBox | null {
     if (points.length < 16) return null;
     const step = Math.max(1, Math.floor(points.length / kSample)), sample = points.filter((_, i) => i % step === 0);
+    const values = new Float32Array(sample.length);
     const range = (axis: Vec3): [number, number] => {
-      const values = Float32Array.from(sample, (p) => p.dot(axis)).sort();
+      for (let i = 0; i < sample.length; ++i) values[i] = sample[i].dot(axis);
+      values.sort();
       return [values[Math.floor(kTail * values.length)], values[Math.floor((1 - kTail) * values.length)]];
     };
     let best: { axes: Vec3[]; area: number } | null = null;

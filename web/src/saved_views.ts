@@ -1,11 +1,12 @@
-// Views of the room that are kept: in this browser by name, and in a link.
+// Views of the room that are kept: with the run by name, and in a link.
 import { Vec3 } from 'playcanvas';
 import { element, iconButton, kIcons, make } from './dom';
 import { type Pose } from './navigation';
+import { kMostNotes, type NoteKeeper } from './notes';
+import { type Viewer } from './viewer';
 
-interface Saved { name: string; eye: number[]; target: number[] }
-
-const kDigits = 3; // of a coordinate in a link: millimetres
+const kDigits = 3;       // of a coordinate in a link: millimetres
+const kSavedDigits = 4;  // of a kept coordinate
 
 const numbers = (v: Vec3): number[] => [v.x, v.y, v.z].map((x) => Number(x.toFixed(kDigits)));
 
@@ -24,42 +25,28 @@ export function poseOf(hash: string): Pose | null {
 }
 
 export class SavedViews {
-  private key = '';
-  private views: Saved[] = [];
-
-  constructor(private pose: () => Pose, private go: (pose: Pose) => void, private told: (text: string) => void) {
+  constructor(private viewer: Viewer, private keeper: NoteKeeper, private pose: () => Pose, private go: (pose: Pose) => void, private told: (text: string) => void) {
     element('save-view').addEventListener('click', () => this.save());
     element('copy-link').addEventListener('click', () => void this.copy());
   }
 
-  /// The views of the run with this name.
-  open(run: string): void {
-    if (this.key === `aligngs-views:${run}`) return;
-    this.key = `aligngs-views:${run}`;
-    try { this.views = JSON.parse(localStorage.getItem(this.key) ?? '[]'); } catch { this.views = []; }
-    this.show();
+  show(): void {
+    const { views } = this.keeper.notes;
+    element('views').replaceChildren(...views.map((view) => {
+      const row = make('li'), open = make('button', 'class-name', view.name);
+      open.addEventListener('click', () => this.go({ eye: this.viewer.toWorld(view.eye), target: this.viewer.toWorld(view.target) }));
+      row.append(open, iconButton(kIcons.bin, 'remove', 'forget', view.name, () => this.keeper.set({ views: this.keeper.notes.views.filter((v) => v !== view) })));
+      return row;
+    }));
   }
 
   private save(): void {
-    const { eye, target } = this.pose();
-    let number = this.views.length + 1;
-    while (this.views.some((v) => v.name === `view ${number}`)) ++number;
-    this.views.push({ name: `view ${number}`, eye: numbers(eye), target: numbers(target) });
-    this.keep();
-  }
-
-  private keep(): void {
-    try { localStorage.setItem(this.key, JSON.stringify(this.views)); } catch { this.told('This browser keeps nothing for this page.'); }
-    this.show();
-  }
-
-  private show(): void {
-    element('views').replaceChildren(...this.views.map((view) => {
-      const row = make('li'), open = make('button', 'class-name', view.name);
-      open.addEventListener('click', () => this.go({ eye: new Vec3(...(view.eye as [number, number, number])), target: new Vec3(...(view.target as [number, number, number])) }));
-      row.append(open, iconButton(kIcons.bin, 'remove', 'forget', view.name, () => { this.views = this.views.filter((v) => v !== view); this.keep(); }));
-      return row;
-    }));
+    const { views } = this.keeper.notes;
+    if (views.length >= kMostNotes) { this.told(`There are ${kMostNotes} views. Forget some first.`); return; }
+    const { eye, target } = this.pose(), place = (p: Vec3) => this.viewer.fromWorld(p, true).map((x) => Number(x.toFixed(kSavedDigits)));
+    let number = views.length + 1;
+    while (views.some((v) => v.name === `view ${number}`)) ++number;
+    this.keeper.set({ views: [...views, { name: `view ${number}`, eye: place(eye), target: place(target) }] });
   }
 
   private async copy(): Promise<void> {

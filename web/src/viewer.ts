@@ -12,6 +12,7 @@ import { MovingQuality } from './moving_quality';
 import { kLeastAlpha, pickSplat, type Hit, type Splats } from './pick';
 import { RoomBox } from './room_box';
 import { kStyles, objectKey, SplatLayer } from './splat_layer';
+import { kContext } from './webgl_context';
 
 /// `shell`: walls, ceiling and what hangs on them; it is cut away where it hides the room.
 export interface ClassStyle { color: [number, number, number]; visible: boolean; shell?: boolean }
@@ -24,6 +25,7 @@ const kPoints = 8000;            // splats that the room's box is made of
 const kSolid = 0.3;              // opacity of a splat that is no haze
 const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
 const kPictureTime = 30000; // milliseconds that a picture of a chosen size may take
+const kSortTime = 3000, kLook = 20; // milliseconds that a sorted picture is waited for, and between two looks
 const kSettle = 300; // milliseconds of drawing after a change, so that the sorting worker gets it
 
 export class Viewer {
@@ -33,6 +35,7 @@ export class Viewer {
   mesh: PlyMesh | null = null;
   frames = 0;
   settled = false; // the last picture has all splats in their final order, and all pixels
+  private sorted = false; // a picture in the final order was drawn since it was asked for
   onPose: () => void = () => {};
   moving: () => boolean = () => false; // a pointer or a key is held
   room: RoomBox | null = null;
@@ -53,7 +56,7 @@ export class Viewer {
   private constructor(readonly app: AppBase, readonly canvas: HTMLCanvasElement) {}
 
   static async create(canvas: HTMLCanvasElement): Promise<Viewer> {
-    const device = await createGraphicsDevice(canvas, { deviceTypes: ['webgl2'], antialias: false, preserveDrawingBuffer: true } as object);
+    const device = await createGraphicsDevice(canvas, { deviceTypes: ['webgl2'], ...kContext } as object);
     device.maxPixelRatio = Math.min(window.devicePixelRatio, kMostPixelRatio);
     const options = new AppOptions();
     options.graphicsDevice = device;
@@ -74,7 +77,7 @@ export class Viewer {
     // The worker that sorts answers when it likes: then there is something new to draw.
     const splatSystem = (app.systems as unknown as { gsplat: EventHandler }).gsplat;
     splatSystem.on('frame:request', () => { app.renderNextFrame = true; });
-    splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.settled = ready && loading === 0 && !viewer.drawsMoving; });
+    splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.sorted ||= ready && loading === 0; viewer.settled = ready && loading === 0 && !viewer.drawsMoving; });
     app.on('update', () => { if (performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
     app.on('prerender', () => { ++viewer.frames; if (viewer.drawsMoving) viewer.quality.frame(performance.now()); for (const l of viewer.lines) app.drawLines(l.points, l.color); });
     app.start();
@@ -85,6 +88,14 @@ export class Viewer {
 
   /// The last picture is final: nothing moves, and nothing is left to sort or to draw.
   get resting(): boolean { return !this.drawsMoving && (this.settled || this.showsMesh) && performance.now() >= this.drawUntil && !this.app.renderNextFrame; }
+
+  /// The splats are drawn in their order, or seconds have passed.
+  async nextPicture(): Promise<void> {
+    if (this.showsMesh || document.hidden) return; // nothing is sorted there
+    this.sorted = false;
+    this.draw();
+    for (const end = performance.now() + kSortTime; !this.sorted && performance.now() < end;) await new Promise((later) => window.setTimeout(later, kLook));
+  }
 
   /// Asks for new pictures, for as long as sorting may take.
   draw(): void {
@@ -208,7 +219,11 @@ export class Viewer {
   async loadMesh(url: string): Promise<void> {
     const answer = await request(url);
     if (!answer.ok) throw new Error(`The mesh cannot be loaded. The server answered ${answer.status}.`);
-    this.mesh = parseMeshPly(await answer.arrayBuffer());
+    this.setMesh(parseMeshPly(await answer.arrayBuffer()));
+  }
+
+  setMesh(mesh: PlyMesh): void {
+    this.mesh = mesh;
     this.buildMesh();
   }
 
@@ -318,6 +333,7 @@ export class Viewer {
     this.draw();
   }
 
+  /// Crosses at places of the y-up world, and a line between the two of each pair.
   setRuler(points: Vec3[]): void {
     this.lines = this.lines.filter((l) => l.color.b > 0.5);
     const arm = 0.03;
@@ -326,7 +342,7 @@ export class Viewer {
         this.lines.push({ points: [p.clone().sub(d), p.clone().add(d)], color: new Color(1, 0.9, 0.1) });
       }
     }
-    if (points.length === 2) this.lines.push({ points, color: new Color(1, 0.9, 0.1) });
+    for (let k = 0; k + 1 < points.length; k += 2) this.lines.push({ points: [points[k], points[k + 1]], color: new Color(1, 0.9, 0.1) });
     this.draw();
   }
 

@@ -1,4 +1,4 @@
-// The pictures of the page in README.md, made from a run of `aligngs demo`.
+// The picture of an edit in README.md, made from a run of `aligngs demo`. screenshots.mjs makes those of the page.
 // Usage: node test/readme_images.mjs PROGRAM RUN [FOLDER: ../docs/images]
 import { cpSync, existsSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
@@ -26,18 +26,10 @@ await withBrowser(async (browser) => {
     return state.cameras.reduce((best, c) => (score(c) > score(best) ? c : best)).img_name;
   });
   await page.evaluate((name) => { // from that photo's place, as a person looking around
-    const { orbit, viewer, state, edits } = { ...window.aligngs, ...window.aligngs.page, viewer: window.aligngs.viewer };
+    const { viewer, page: { navigation, state, edits } } = window.aligngs;
     const bed = edits.objects.find((o) => o.object.startsWith('bed#')) ?? edits.objects[0];
-    orbit.lookFrom(viewer.toWorld(state.cameras.find((c) => c.img_name === name).position), viewer.toWorld(bed.centre));
+    navigation.lookFrom(viewer.toWorld(state.cameras.find((c) => c.img_name === name).position), viewer.toWorld(bed.centre));
   }, view);
-  await slide('#overlay', 35);
-  const box = await page.locator('#canvas').boundingBox();
-  await settle();
-  await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.5);
-  await page.evaluate(() => { document.getElementById('message').textContent = ''; });
-  await settle();
-  await page.screenshot({ path: join(out, 'page.jpg'), type: 'jpeg', quality: 82 });
-
   await slide('#overlay', 0);
   await page.locator('#view').selectOption(view);
   await slide('#wipe', 0); // no photo, the splats alone

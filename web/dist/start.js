@@ -1,0 +1,1 @@
+"use strict";(()=>{var e={alpha:!0,depth:!0,stencil:!0,antialias:!1,preserveDrawingBuffer:!0,powerPreference:"high-performance",xrCompatible:!1};document.getElementById("canvas").getContext("webgl2",e);})();
