@@ -14,6 +14,7 @@
 #include "edit/edit_session.h"
 #include "edit/mesh_selection.h"
 #include "edit/motion_text.h"
+#include "edit/object_scores.h"
 #include "edit/removal_score.h"
 #include "edit/report_json.h"
 #include "edit/selection_truth.h"
@@ -54,6 +55,8 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
     text += "mesh         " + std::to_string(report.selected_vertices) + " vertices selected, " +
             std::to_string(report.vertices_before) + " before, " + std::to_string(report.vertices_after) + " after\n";
   }
+  for (const SelectedObject& part : report.parts)
+    text += "taken along  " + object_name(part, labels) + ": belongs to the selected objects\n";
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
   if (!report.contents.empty()) {
     std::string names;
@@ -83,6 +86,29 @@ void list_run(const CommandContext& context, const EditSession& session) {
   print(context, {{"edits", edits}, {"objects", objects}}, text);
 }
 
+/// Every object of a synthetic room.
+void measure_objects(const CommandContext& context, EditSession& session) {
+  const TriangleMesh truth = read_mesh_ply(session.scene().truth_mesh);
+  const std::filesystem::path list = session.scene().truth_mesh.parent_path() / "objects.json";
+  const std::vector<ObjectScore> scores =
+      score_objects(session.room(), truth, read_true_objects(list, truth.vertices.size()), session.pool());
+  Json objects = Json::array();
+  std::string text;
+  double sum = 0;
+  for (const ObjectScore& s : scores) {
+    objects.push_back({{"object", s.object}, {"selection", s.selection}, {"iou", s.iou}, {"area", s.area}});
+    char line[200];
+    std::snprintf(line, sizeof line, "%-24s IoU %.3f  %7.3f m2  %s\n", s.object.c_str(), s.iou, s.area,
+                  s.selection.empty() ? "no selection touches it" : s.selection.c_str());
+    text += line;
+    sum += s.iou;
+  }
+  const double mean = scores.empty() ? 0 : sum / static_cast<double>(scores.size());
+  char line[100];
+  std::snprintf(line, sizeof line, "%-24s IoU %.3f  of %zu objects\n", "mean", mean, scores.size());
+  print(context, {{"objects", objects}, {"mean_iou", mean}}, text + line);
+}
+
 void measure(const CommandContext& context, EditSession& session, const EditOptions& options) {
   const EditableRoom& room = session.room();
   if (session.scene().truth_mesh.empty()) {
@@ -92,6 +118,7 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   if (room.mesh.vertices.empty()) {
     throw_bad_input(session.folder() / "mesh", "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
   }
+  if (options.select.empty()) return measure_objects(context, session);
   const SelectionQuery query = read_selection(room, options.select);
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, parse_threshold(options.threshold), room.labels, {}, session.pool());
@@ -217,7 +244,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   const bool looks = options.undo || options.list || says;
   if (options.undo + options.list + options.dry_run + options.measure > 1)
     throw_usage("--undo, --list, --dry-run and --measure exclude each other");
-  if (!looks && options.select.empty())
+  if (!looks && !options.measure && options.select.empty())
     throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
   const bool edits = !looks && !options.measure;
   EditOperation edit = edits ? operation_of(options) : EditOperation{};
@@ -340,7 +367,9 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
       ->add_option("--truth", options->truth,
                    "compare a run made with -o with a folder SCENE/truth/without/NAME of `synth --without`")
       ->group("Stack and output");
-  command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")
+  command
+      ->add_flag("--measure", options->measure,
+                 "compare the selection, or without --select every object, with the true ones of the scene (IoU)")
       ->group("Selection");
   command->callback([&context, options] { run_edit(context, *options); });
 }

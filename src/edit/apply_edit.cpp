@@ -15,6 +15,7 @@
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
 #include "edit/object_choice.h"
+#include "edit/object_parts.h"
 #include "edit/recolor.h"
 #include "gaussians/restructure.h"
 
@@ -98,6 +99,7 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   rest.resize(room.gaussians.model.size(), 0);
   keep_part(room, keep, vertices, 0);
   join_neighbours(room.gaussians, kept_rows(rest, keep, 1), {}, pool);
+  join_crumbs(room.gaussians, {}, pool);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);
   }
@@ -131,6 +133,16 @@ void add_contents(const EditableRoom& room, bool take, GaussianSelection& select
   for (const Instance& o : contents) list.push_back({o.label, o.number, o.gaussians});
   if (!take) return;
   select_objects(room.gaussians, contents, selection.mask);
+  selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
+}
+
+/// Things that belong to the selected objects: selected, too.
+void add_parts(const EditableRoom& room, GaussianSelection& selection, EditReport& report) {
+  const std::vector<Instance> parts = parts_of(room.gaussians, selection.mask, room.labels, room.up);
+  if (parts.empty()) return;
+  for (const Instance& o : parts) report.parts.push_back({o.label, o.number, o.gaussians});
+  select_objects(room.gaussians, parts, selection.mask);
+  selection.objects.insert(selection.objects.end(), report.parts.begin(), report.parts.end());
   selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
 }
 
@@ -170,6 +182,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) options.join = 0.5;
   GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
+  if (!takes_color(edit.kind) && !query.everything) add_parts(room, selection, report);
   if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up &&
       !query.everything) {
     add_contents(room, edit.with_contents, selection, report);

@@ -36,6 +36,7 @@ struct EditReport {
   std::string description;
   std::vector<SelectedObject> objects;   ///< what was selected
   std::vector<SelectedObject> contents;  ///< things on them that were left behind
+  std::vector<SelectedObject> parts;     ///< things of other classes that belong to them and went along
   size_t selected = 0;                   ///< Gaussians
   size_t before = 0, after = 0;          ///< Gaussians of the room
   size_t filled = 0;                     ///< new Gaussians of the surfaces that were behind and under
