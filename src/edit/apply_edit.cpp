@@ -17,6 +17,7 @@
 #include "edit/object_choice.h"
 #include "edit/object_parts.h"
 #include "edit/recolor.h"
+#include "edit/replace_object.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs {
@@ -119,6 +120,19 @@ void move_objects(EditableRoom& room, const EditOperation& edit, const std::vect
   add_piece(room, moved(piece, to));
 }
 
+void replace_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
+                     const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
+  if (!edit.object) throw Error({ErrorKind::kFailed, "the object of a replacement was not read", {}, "--replace", {}});
+  const Similarity to = placement_of(room, mask, *edit.object, edit.motion.turn, edit.fit);
+  const EditableRoom piece = labelled_for(room, mask, *edit.object);
+  remove_objects(room, edit, mask, vertices, report, pool);
+  add_piece(room, moved(piece, to));
+  const GaussianLabels& labels = piece.gaussians.labels;
+  report.inserted = labels.label.size();
+  report.inserted_triangles = piece.mesh.triangles.size();
+  report.replacement = {labels.label[0] == kNoLabel ? -1 : labels.label[0], labels.instance[0], report.inserted};
+}
+
 std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
   if (cameras.empty()) return std::nullopt;
   Vec3d sum;
@@ -179,12 +193,11 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   const SelectionQuery query = read_selection(room, edit.select);
   SelectionOptions options;
   // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
-  if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) options.join = 0.5;
+  if (leaves_hole(edit.kind)) options.join = 0.5;
   GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
   if (!takes_color(edit.kind) && !query.everything) add_parts(room, selection, report);
-  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up &&
-      !query.everything) {
+  if ((leaves_hole(edit.kind) || edit.with_contents) && room.up && !query.everything) {
     add_contents(room, edit.with_contents, selection, report);
   }
   report.description = describe(edit);
@@ -195,7 +208,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   for (const SelectionTerm& term : query.include) report.asked.push_back(static_cast<uint16_t>(term.label));
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
-  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && selection.count == report.before) {
+  if (leaves_hole(edit.kind) && selection.count == report.before) {
     throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
   }
   const std::vector<uint8_t> vertices =
@@ -208,6 +221,9 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
     case EditKind::kMove:
     case EditKind::kDuplicate:
       move_objects(room, edit, selection.mask, vertices, report, pool);
+      break;
+    case EditKind::kReplace:
+      replace_objects(room, edit, selection.mask, vertices, report, pool);
       break;
     case EditKind::kExtract:
       keep_part(room, selection.mask, vertices, 1);

@@ -27,6 +27,8 @@ Json report_json(const EditReport& report, const LabelSet& labels) {
   return {{"edit", report.description},
           {"left_behind", contents},
           {"parts", parts},
+          {"replacement", report.replacement ? Json(object_name(*report.replacement, labels)) : Json(nullptr)},
+          {"inserted_gaussians", report.inserted},
           {"objects", objects},
           {"selected_gaussians", report.selected},
           {"gaussians_before", report.before},

@@ -117,7 +117,7 @@ class ShellCorrection {
     return changed;
   }
 
-  /// Rows with the label of a shell that stand before its planes.
+  /// Rows with the label of a shell, in front of its planes.
   std::vector<uint8_t> proud_rows() const {
     std::vector<uint8_t> rows(places_.size(), 0);
     std::array<double, kShells> all{}, before{};

@@ -25,8 +25,8 @@ struct ShellLabelOptions {
   int reach = 16;            ///< neighbours from a thing inwards: 30 cm of a lamp's foot
 };
 
-/// A wall ends at its plane. What is labelled wall and stands before it joins the thing that it touches: the foot of a
-/// lamp, the side of a basket, the legs of a stool. The same for floor and ceiling. Gaussians of one plane with the
+/// A wall ends at its plane. Gaussians labelled wall in front of it join the thing that they touch, as the foot of a lamp
+/// or the legs of a stool. The same for floor and ceiling. Gaussians of one plane with the
 /// class of another one get the class of theirs. Crumbs (crumbs.h) join a thing, and walls only where they lie on one.
 /// Gaussians that touch no thing keep their labels, and numbers of objects do not change.
 ///
