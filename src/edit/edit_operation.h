@@ -21,7 +21,7 @@ enum class EditKind {
   kExtract,    ///< everything else is gone
   kMove,       ///< the selected objects are at another place; what they hid continues there
   kDuplicate,  ///< a copy of the selected objects is at another place
-  kReplace,    ///< the selected objects are gone, and an object from elsewhere stands there
+  kReplace,    ///< the selected objects are gone, and an object from elsewhere is there
   kRecolor,    ///< the selected objects have the colour in the mean; light and texture stay
   kHighlight   ///< the selected objects are mixed with the colour
 };
