@@ -40,6 +40,8 @@ await withBrowser(async (browser) => {
   await page.mouse.click(thing.x, thing.y);
   await settle();
   const centre = () => page.evaluate(({ label, instance }) => { const o = window.aligngs.page.objects.find(label, instance); return o && [o.centre.x, o.centre.y, o.centre.z]; }, thing);
+  const away = () => page.mouse.move(2, 2); // what is under the pointer glows
+  await away();
   const start = await picture(), was = await centre();
   const pose = () => page.evaluate(() => window.aligngs.page.navigation.pose.eye.toString());
   const eye = await pose();
@@ -53,6 +55,7 @@ await withBrowser(async (browser) => {
   await shot('dragging');
   await page.keyboard.press('Escape');
   await page.mouse.up();
+  await away();
   check((await edits()).length === 0 && difference(start, await picture()) < 0.5, 'Escape leaves it where it was');
 
   await page.mouse.move(thing.x, thing.y);
