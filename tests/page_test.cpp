@@ -215,6 +215,8 @@ TEST_F(PageRequests, MistakesAreAnsweredInWordsAndChangeNothing) {
   expect("/api/edits/push", {{"edit", "delete bed"}, {"output", "/tmp/x"}}, "nobody knows");
   expect("/api/edits/push", {{"edit", "delete " + std::string(5000, 'x')}}, "too long");
   expect("/api/edits/preview", {{"edit", "delete everything"}}, "nothing would be left");
+  expect("/api/edits/push", {{"edit", "replace bed with /etc/passwd.ply"}}, "the folder that the run is in");
+  expect("/api/edits/preview", {{"edit", "replace bed with ../../run#bed"}}, "the folder that the run is in");
   expect("/api/edits/undo", json::object(), "no edit to undo");
   expect("/api/edits/undo", {{"all", "yes"}}, "nobody knows");
   expect("/api/export", {{"format", "gbl"}}, "glb");

@@ -13,8 +13,10 @@
 #include "edit/edit_log.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
+#include "edit/inserted_object.h"
 #include "edit/mesh_selection.h"
 #include "edit/motion_text.h"
+#include "edit/object_scores.h"
 #include "edit/removal_score.h"
 #include "edit/report_json.h"
 #include "edit/selection_truth.h"
@@ -30,9 +32,10 @@ using Json = nlohmann::json;
 namespace {
 
 struct EditOptions {
-  std::string run, scene, say, select, threshold = "argmax", recolor, highlight, move, turn, output, picture, truth;
+  std::string run, scene, say, select, threshold = "argmax", recolor, highlight, move, turn, output, picture, truth,
+                                       replace, up = "z";
   double wait = EditSessionOptions().patience;  ///< seconds
-  bool remove = false, extract = false, fill = false, with_contents = false, duplicate = false;
+  bool remove = false, extract = false, fill = false, with_contents = false, duplicate = false, fit = false;
   bool undo = false, list = false, dry_run = false, measure = false;
 };
 
@@ -55,6 +58,12 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
     text += "mesh         " + std::to_string(report.selected_vertices) + " vertices selected, " +
             std::to_string(report.vertices_before) + " before, " + std::to_string(report.vertices_after) + " after\n";
   }
+  if (report.replacement) {
+    text += "came         " + object_name(*report.replacement, labels) + ": " + std::to_string(report.inserted) +
+            " Gaussians" + (report.inserted_triangles ? "" : ", without a mesh") + "\n";
+  }
+  for (const SelectedObject& part : report.parts)
+    text += "taken along  " + object_name(part, labels) + ": belongs to the selected objects\n";
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
   if (!report.contents.empty()) {
     std::string names;
@@ -84,6 +93,29 @@ void list_run(const CommandContext& context, const EditSession& session) {
   print(context, {{"edits", edits}, {"objects", objects}}, text);
 }
 
+/// Every object of a synthetic room.
+void measure_objects(const CommandContext& context, EditSession& session) {
+  const TriangleMesh truth = read_mesh_ply(session.scene().truth_mesh);
+  const std::filesystem::path list = session.scene().truth_mesh.parent_path() / "objects.json";
+  const std::vector<ObjectScore> scores =
+      score_objects(session.room(), truth, read_true_objects(list, truth.vertices.size()), session.pool());
+  Json objects = Json::array();
+  std::string text;
+  double sum = 0;
+  for (const ObjectScore& s : scores) {
+    objects.push_back({{"object", s.object}, {"selection", s.selection}, {"iou", s.iou}, {"area", s.area}});
+    char line[200];
+    std::snprintf(line, sizeof line, "%-24s IoU %.3f  %7.3f m2  %s\n", s.object.c_str(), s.iou, s.area,
+                  s.selection.empty() ? "no selection touches it" : s.selection.c_str());
+    text += line;
+    sum += s.iou;
+  }
+  const double mean = scores.empty() ? 0 : sum / static_cast<double>(scores.size());
+  char line[100];
+  std::snprintf(line, sizeof line, "%-24s IoU %.3f  of %zu objects\n", "mean", mean, scores.size());
+  print(context, {{"objects", objects}, {"mean_iou", mean}}, text + line);
+}
+
 void measure(const CommandContext& context, EditSession& session, const EditOptions& options) {
   const EditableRoom& room = session.room();
   if (session.scene().truth_mesh.empty()) {
@@ -93,6 +125,7 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   if (room.mesh.vertices.empty()) {
     throw_bad_input(session.folder() / "mesh", "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
   }
+  if (options.select.empty()) return measure_objects(context, session);
   const SelectionQuery query = read_selection(room, options.select);
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, parse_threshold(options.threshold), room.labels, {}, session.pool());
@@ -123,17 +156,20 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
 
 EditOperation operation_of(const EditOptions& options) {
   EditOperation edit;
-  const bool moves = options.duplicate || !options.move.empty() || !options.turn.empty();
+  const bool replaces = !options.replace.empty();
+  const bool moves = options.duplicate || !options.move.empty() || (!options.turn.empty() && !replaces);
   const int operations =
-      options.remove + options.extract + moves + !options.recolor.empty() + !options.highlight.empty();
+      options.remove + options.extract + moves + replaces + !options.recolor.empty() + !options.highlight.empty();
   if (operations != 1)
     throw_usage(
-        "an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --recolor, --highlight",
+        "an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --replace, --recolor, "
+        "--highlight",
         "`aligngs edit --help` shows an example");
   edit.kind = options.remove             ? EditKind::kDelete
               : options.extract          ? EditKind::kExtract
               : options.duplicate        ? EditKind::kDuplicate
               : moves                    ? EditKind::kMove
+              : replaces                 ? EditKind::kReplace
               : !options.recolor.empty() ? EditKind::kRecolor
                                          : EditKind::kHighlight;
   if (options.fill && !options.remove)
@@ -143,7 +179,12 @@ EditOperation operation_of(const EditOptions& options) {
   if (options.with_contents && takes_color(edit.kind))
     throw_usage("--with-contents takes along what is on the objects",
                 "use it with --delete, --extract, --move or --duplicate");
-  edit.fill = options.fill || edit.kind == EditKind::kMove;
+  if (!replaces && (options.fit || options.up != "z"))
+    throw_usage("--fit and --up are about the object of --replace", "use them with --replace");
+  edit.fill = options.fill || edit.kind == EditKind::kMove || replaces;
+  edit.with = options.replace;
+  edit.fit = options.fit;
+  edit.up_axis = (parse_axis(options.up), options.up);
   if (!options.move.empty()) edit.motion.shift = parse_shift(options.move);
   if (!options.turn.empty()) edit.motion.turn = parse_turn(options.turn);
   edit.with_contents = options.with_contents;
@@ -180,8 +221,9 @@ void measure_removal(const CommandContext& context, const EditOptions& options) 
 /// With --say everything about the edit is in the sentence.
 void require_only_a_sentence(const EditOptions& options) {
   if (options.remove || options.extract || options.fill || options.with_contents || options.duplicate ||
-      !options.move.empty() || !options.turn.empty() || !options.recolor.empty() || !options.highlight.empty() ||
-      !options.select.empty() || options.undo || options.list || options.measure) {
+      !options.move.empty() || !options.turn.empty() || !options.replace.empty() || options.fit ||
+      !options.recolor.empty() || !options.highlight.empty() || !options.select.empty() || options.undo ||
+      options.list || options.measure) {
     throw_usage("--say is a whole edit by itself", "leave out --select and the operation, or leave out --say");
   }
 }
@@ -218,7 +260,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   const bool looks = options.undo || options.list || says;
   if (options.undo + options.list + options.dry_run + options.measure > 1)
     throw_usage("--undo, --list, --dry-run and --measure exclude each other");
-  if (!looks && options.select.empty())
+  if (!looks && !options.measure && options.select.empty())
     throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
   const bool edits = !looks && !options.measure;
   EditOperation edit = edits ? operation_of(options) : EditOperation{};
@@ -283,7 +325,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
 
 void add_edit_command(CLI::App& program, CommandContext& context) {
   CLI::App* command =
-      program.add_subcommand("edit", "Delete, extract, move, copy, recolour or highlight objects by name");
+      program.add_subcommand("edit", "Delete, extract, move, copy, replace, recolour or highlight objects by name");
   command->group("Use");
   command->footer(
       help_footer({.reads = "a run folder",
@@ -291,7 +333,10 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
                    .example = "aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'",
                    .advanced = "aligngs edit demo_run --select \"everything but wall, floor\" --extract -o furniture",
                    .notes = "An edit goes on a stack beside the run, and --undo takes it back.\n"
-                            "Training results never change. With -o the run itself stays untouched."}));
+                            "Training results never change. With -o the run itself stays untouched.\n"
+                            "Another object in place of one:\n"
+                            "  aligngs edit RUN --select armchair --replace other_run#sofa#1\n"
+                            "  aligngs edit RUN --select armchair --replace chair.ply --up=-y --fit --turn 90"}));
   auto options = std::make_shared<EditOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
@@ -314,9 +359,20 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
       ->add_option("--move", options->move,
                    "move by RIGHT,UP,TOWARDS in metres as the photos' cameras see it, e.g. 0.5,0,-0.2")
       ->group("Edit");
-  command->add_option("--turn", options->turn, "turn by degrees, counter-clockwise from above; also with --move")
+  command
+      ->add_option("--turn", options->turn,
+                   "turn by degrees, counter-clockwise from above; also with --move and --replace")
       ->group("Edit");
   command->add_flag("--duplicate", options->duplicate, "copy the objects, to the right of them or by --move and --turn")
+      ->group("Edit");
+  command
+      ->add_option("--replace", options->replace,
+                   "put another object in their place: FILE.ply, or RUN#OBJECT such as other_run#armchair#1")
+      ->group("Edit");
+  command->add_flag("--fit", options->fit, "with --replace: scale the other object to the box of the old one")
+      ->group("Edit");
+  command->add_option("--up", options->up, "with --replace FILE.ply: its upward axis, x, y, z, -x, -y or -z")
+      ->capture_default_str()
       ->group("Edit");
   command
       ->add_option("--recolor", options->recolor,
@@ -342,7 +398,9 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
       ->add_option("--truth", options->truth,
                    "compare a run made with -o with a folder SCENE/truth/without/NAME of `synth --without`")
       ->group("Stack and output");
-  command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")
+  command
+      ->add_flag("--measure", options->measure,
+                 "compare the selection, or without --select every object, with the true ones of the scene (IoU)")
       ->group("Selection");
   command->callback([&context, options] { run_edit(context, *options); });
 }

@@ -15,7 +15,9 @@
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
 #include "edit/object_choice.h"
+#include "edit/object_parts.h"
 #include "edit/recolor.h"
+#include "edit/replace_object.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs {
@@ -98,6 +100,7 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   rest.resize(room.gaussians.model.size(), 0);
   keep_part(room, keep, vertices, 0);
   join_neighbours(room.gaussians, kept_rows(rest, keep, 1), {}, pool);
+  join_crumbs(room.gaussians, {}, pool);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);
   }
@@ -117,6 +120,19 @@ void move_objects(EditableRoom& room, const EditOperation& edit, const std::vect
   add_piece(room, moved(piece, to));
 }
 
+void replace_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
+                     const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
+  if (!edit.object) throw Error({ErrorKind::kFailed, "the object of a replacement was not read", {}, "--replace", {}});
+  const Similarity to = placement_of(room, mask, *edit.object, edit.motion.turn, edit.fit);
+  const EditableRoom piece = labelled_for(room, mask, *edit.object);
+  remove_objects(room, edit, mask, vertices, report, pool);
+  add_piece(room, moved(piece, to));
+  const GaussianLabels& labels = piece.gaussians.labels;
+  report.inserted = labels.label.size();
+  report.inserted_triangles = piece.mesh.triangles.size();
+  report.replacement = {labels.label[0] == kNoLabel ? -1 : labels.label[0], labels.instance[0], report.inserted};
+}
+
 std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
   if (cameras.empty()) return std::nullopt;
   Vec3d sum;
@@ -131,6 +147,16 @@ void add_contents(const EditableRoom& room, bool take, GaussianSelection& select
   for (const Instance& o : contents) list.push_back({o.label, o.number, o.gaussians});
   if (!take) return;
   select_objects(room.gaussians, contents, selection.mask);
+  selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
+}
+
+/// Things that belong to the selected objects: selected, too.
+void add_parts(const EditableRoom& room, GaussianSelection& selection, EditReport& report) {
+  const std::vector<Instance> parts = parts_of(room.gaussians, selection.mask, room.labels, room.up);
+  if (parts.empty()) return;
+  for (const Instance& o : parts) report.parts.push_back({o.label, o.number, o.gaussians});
+  select_objects(room.gaussians, parts, selection.mask);
+  selection.objects.insert(selection.objects.end(), report.parts.begin(), report.parts.end());
   selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
 }
 
@@ -167,11 +193,11 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   const SelectionQuery query = read_selection(room, edit.select);
   SelectionOptions options;
   // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
-  if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) options.join = 0.5;
+  if (leaves_hole(edit.kind)) options.join = 0.5;
   GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
-  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up &&
-      !query.everything) {
+  if (!takes_color(edit.kind) && !query.everything) add_parts(room, selection, report);
+  if ((leaves_hole(edit.kind) || edit.with_contents) && room.up && !query.everything) {
     add_contents(room, edit.with_contents, selection, report);
   }
   report.description = describe(edit);
@@ -182,7 +208,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   for (const SelectionTerm& term : query.include) report.asked.push_back(static_cast<uint16_t>(term.label));
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
-  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && selection.count == report.before) {
+  if (leaves_hole(edit.kind) && selection.count == report.before) {
     throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
   }
   const std::vector<uint8_t> vertices =
@@ -195,6 +221,9 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
     case EditKind::kMove:
     case EditKind::kDuplicate:
       move_objects(room, edit, selection.mask, vertices, report, pool);
+      break;
+    case EditKind::kReplace:
+      replace_objects(room, edit, selection.mask, vertices, report, pool);
       break;
     case EditKind::kExtract:
       keep_part(room, selection.mask, vertices, 1);

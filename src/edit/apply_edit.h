@@ -34,13 +34,17 @@ struct EditableRoom {
 
 struct EditReport {
   std::string description;
-  std::vector<SelectedObject> objects;   ///< what was selected
-  std::vector<SelectedObject> contents;  ///< things on them that were left behind
-  size_t selected = 0;                   ///< Gaussians
-  size_t before = 0, after = 0;          ///< Gaussians of the room
-  size_t filled = 0;                     ///< new Gaussians of the surfaces that were behind and under
-  size_t cleared = 0;                    ///< Gaussians that went along, because only the object hid what they were
-  bool no_support = false;               ///< fill was asked for and no surface continues into the hole
+  std::vector<SelectedObject> objects;        ///< what was selected
+  std::vector<SelectedObject> contents;       ///< things on them that were left behind
+  std::optional<SelectedObject> replacement;  ///< the object that came
+  std::vector<SelectedObject> parts;          ///< things of other classes that belong to them and went along
+  size_t selected = 0;                        ///< Gaussians
+  size_t before = 0, after = 0;               ///< Gaussians of the room
+  size_t filled = 0;                          ///< new Gaussians of the surfaces that were behind and under
+  size_t cleared = 0;                         ///< Gaussians that went along, because only the object hid what they were
+  size_t inserted = 0;                        ///< new Gaussians of an object from elsewhere
+  size_t inserted_triangles = 0;
+  bool no_support = false;  ///< fill was asked for and no surface continues into the hole
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
   double threshold = 0;            ///< that was used; 0 for argmax
   std::optional<float> mean_luma;  ///< of the selection, for kRecolor; empty when nothing of it is to be seen

@@ -1,6 +1,7 @@
 #include "edit/crumbs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
@@ -10,19 +11,46 @@
 
 namespace aligngs {
 
+namespace {
+
+constexpr double kUnlikeVote = 0.05;  ///< of a neighbour of another colour: it decides only where no other one votes
+
+/// Weights of the votes of neighbours; the same in every round.
+std::vector<float> vote_weights(const GaussianModel& model, const std::vector<uint32_t>& marked,
+                                const NeighbourGraph& graph, double color_sigma) {
+  std::vector<float> weights(graph.index.size());
+  const double scale = color_sigma > 0 ? -0.5 / (color_sigma * color_sigma) : 0;
+  for (size_t m = 0; m < marked.size(); ++m) {
+    const Vec3f color = base_color_of(model, marked[m]);
+    for (size_t slot = graph.k * m; slot < graph.k * (m + 1); ++slot) {
+      const uint32_t j = graph.index[slot];
+      weights[slot] = opacity_of(model, j);
+      if (scale == 0) continue;
+      const Vec3f unlike = base_color_of(model, j) - color;
+      weights[slot] *= static_cast<float>(kUnlikeVote + std::exp(scale * dot(unlike, unlike)));
+    }
+  }
+  return weights;
+}
+
+}  // namespace
+
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
-                       ThreadPool& pool) {
+                       ThreadPool& pool, const MayJoin& may_join, std::vector<uint8_t>* still_open) {
   const size_t k = static_cast<size_t>(options.neighbours);
   std::vector<uint32_t> marked;
   for (uint32_t i = 0; i < rows.size(); ++i) {
     if (rows[i]) marked.push_back(i);
   }
+  if (still_open) *still_open = rows;
   if (room.model.size() <= k || marked.empty()) return 0;
   const NeighbourGraph graph = neighbour_graph(positions_of(room.model), marked, k, pool);
+  const std::vector<float> weights = vote_weights(room.model, marked, graph, options.color_sigma);
   std::vector<uint8_t> open = rows;
   size_t joined = 0;
   // From the outside of a group inwards: the inner ones have neighbours with an object only when the outer ones have.
-  for (bool moved = true; moved;) {
+  int round = 0;
+  for (bool moved = true; moved && (options.rounds == 0 || round < options.rounds); ++round) {
     moved = false;
     const std::vector<uint8_t> before = open;
     for (size_t m = 0; m < marked.size(); ++m) {
@@ -32,8 +60,8 @@ size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows
       for (size_t slot = k * m; slot < k * (m + 1); ++slot) {
         const uint32_t j = graph.index[slot];
         const uint16_t label = room.labels.label[j], instance = room.labels.instance[j];
-        if (before[j] || label == kNoLabel || instance == 0) continue;
-        votes[{label, instance}] += opacity_of(room.model, j) * (label == room.labels.label[i] ? options.own_class : 1);
+        if (before[j] || label == kNoLabel || instance == 0 || (may_join && !may_join(i, label))) continue;
+        votes[{label, instance}] += weights[slot] * (label == room.labels.label[i] ? options.own_class : 1);
       }
       if (votes.empty()) continue;
       const auto best = std::max_element(votes.begin(), votes.end(),
@@ -44,11 +72,11 @@ size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows
       ++joined;
     }
   }
+  if (still_open) *still_open = std::move(open);
   return joined;
 }
 
-size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool) {
-  if (!room.has_labels()) return 0;
+std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOptions& options) {
   std::set<std::pair<uint16_t, uint16_t>> crumbs;
   for (const Instance& object : list_instances(room.model, room.labels)) {
     const bool is_small = norm(object.high - object.low) < options.small * room.extent;
@@ -61,7 +89,11 @@ size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadP
     rows[i] =
         label != kNoLabel && (room.labels.instance[i] == 0 || crumbs.count({label, room.labels.instance[i]}) != 0);
   }
-  return join_neighbours(room, rows, options, pool);
+  return rows;
+}
+
+size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool) {
+  return room.has_labels() ? join_neighbours(room, crumb_rows(room, options), options, pool) : 0;
 }
 
 }  // namespace aligngs

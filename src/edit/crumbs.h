@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/thread_pool.h"
@@ -15,17 +16,25 @@ struct CrumbOptions {
   double small = 0.03;   ///< / extent: diagonal of a small box (9 cm in a room)
   int neighbours = 16;   ///< that vote on the object a crumb joins
   double own_class = 2;  ///< weight of the votes of its own class
+  /// sRGB difference (norm over 3 channels) beyond which a neighbour hardly counts; 0: colours say nothing
+  double color_sigma = 0;
+  int rounds = 0;  ///< most steps from the outside of a group inwards; 0: until nothing changes
 };
 
+/// Whether a row may get a class.
+using MayJoin = std::function<bool(uint32_t row, uint16_t label)>;
+
 /// Crumbs are objects that are too small, and Gaussians with a class and no object. They get the class and the object
-/// of
-/// most of their neighbours, by opacity. Crumbs without a neighbour that has an object stay. Numbers of other objects
-/// do not
-/// change. Returns how many Gaussians have joined another object.
+/// of most of their neighbours, by opacity. Crumbs without a neighbour that has an object stay. Numbers of other objects
+/// do not change. Returns how many Gaussians have joined another object.
 size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool);
 
-/// The same for given Gaussians, e.g. what is left of a deleted object: `rows` marks them.
+/// 1 for the rows of crumbs.
+std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOptions& options);
+
+/// The same for given Gaussians, e.g. what is left of a deleted object: `rows` marks them. Those that joined are marked
+/// no longer in `open`, when it is asked for.
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
-                       ThreadPool& pool);
+                       ThreadPool& pool, const MayJoin& may_join = {}, std::vector<uint8_t>* open = nullptr);
 
 }  // namespace aligngs

@@ -199,6 +199,8 @@ EditChange difference(const EditableRoom& before, const EditableRoom& after, con
   change.base = base;
   change.asked = report.asked;
   change.asked_everything = report.asked_everything;
+  change.inserted = report.inserted;
+  change.inserted_triangles = report.inserted_triangles;
   const GaussianLabels &labels = before.gaussians.labels, &labels_now = after.gaussians.labels;
   ColorChange color{edit.kind, edit.color, report.mean_luma.value_or(1.f), {}};
   const auto id_before = [&](size_t i) { return before.origins[i].id; };

@@ -42,6 +42,8 @@ struct EditChange {
   std::vector<RowId> relabelled;
   std::vector<uint16_t> label, instance;  ///< of `relabelled`
   AddedGaussians added;
+  uint64_t inserted = 0;            ///< so many of the last `added` are an object from elsewhere
+  uint64_t inserted_triangles = 0;  ///< and so many of the last of `added_mesh`
 
   std::vector<RowId> removed_triangles;  ///< vertices that no triangle uses afterwards go as well
   std::vector<RowId> recolored_vertices;

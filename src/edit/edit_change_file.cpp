@@ -87,6 +87,8 @@ void read_head(const Json& head, EditChange& change) {
     change.low[a] = head.at("low").at(static_cast<size_t>(a)).get<float>();
     change.high[a] = head.at("high").at(static_cast<size_t>(a)).get<float>();
   }
+  change.inserted = head.value("inserted", uint64_t(0));
+  change.inserted_triangles = head.value("inserted_triangles", uint64_t(0));
   if (!head.contains("color")) return;
   const Json& color = head.at("color");
   ColorChange c;
@@ -107,6 +109,10 @@ Json head_of(const EditChange& change, const Counts& counts) {
                {"low", {change.low.x, change.low.y, change.low.z}},
                {"high", {change.high.x, change.high.y, change.high.z}},
                {"counts", json_of(counts)}};
+  if (change.inserted > 0) {
+    head["inserted"] = change.inserted;
+    head["inserted_triangles"] = change.inserted_triangles;
+  }
   if (change.colors) {
     head["color"] = {{"operation", edit_kind_name(change.colors->kind)},
                      {"color", color_text(change.colors->color)},

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "edit/edit_change_file.h"
+#include "edit/inserted_object.h"
 #include "edit/motion_text.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -20,11 +21,13 @@ constexpr int kSchema = 2, kOldestSchema = 1;         // 1: without number and c
 constexpr uint64_t kLargestFile = uint64_t(1) << 20;  // bytes
 constexpr size_t kMostEdits = 1000;                   // replayed one after the other
 constexpr size_t kLongestSelection = 4096;            // bytes, as in selection_text
+constexpr size_t kLongestSource = 4096;               // bytes: PATH_MAX of Linux
 constexpr const char* kRepair = "undo it with `aligngs edit RUN --undo`, or remove edits.json to forget all edits";
 
 constexpr std::pair<EditKind, const char*> kKinds[] = {
     {EditKind::kDelete, "delete"},       {EditKind::kExtract, "extract"}, {EditKind::kMove, "move"},
-    {EditKind::kDuplicate, "duplicate"}, {EditKind::kRecolor, "recolor"}, {EditKind::kHighlight, "highlight"}};
+    {EditKind::kDuplicate, "duplicate"}, {EditKind::kReplace, "replace"}, {EditKind::kRecolor, "recolor"},
+    {EditKind::kHighlight, "highlight"}};
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -90,7 +93,7 @@ EditOperation parse_entry(const EntryReader& entry) {
     edit.kind = kind;
     known = true;
   }
-  if (!known) entry.fail("operation", "delete, extract, move, duplicate, recolor or highlight is expected");
+  if (!known) entry.fail("operation", "delete, extract, move, duplicate, replace, recolor or highlight is expected");
   edit.select = entry.text("select", kLongestSelection);
   if (entry.has("threshold"))
     edit.threshold = entry.parsed("threshold", [](const std::string& t) { return parse_threshold(t); });
@@ -99,6 +102,11 @@ EditOperation parse_entry(const EntryReader& entry) {
   edit.with_contents = entry.flag("with_contents");
   if (entry.has("shift"))
     edit.motion.shift = entry.parsed("shift", [](const std::string& t) { return parse_shift(t); });
+  if (edit.kind == EditKind::kReplace) {
+    edit.with = entry.text("with", kLongestSource);
+    edit.fit = entry.flag("fit");
+    edit.up_axis = entry.parsed("up", [](const std::string& t) { return parse_axis(t), t; });
+  }
   if (entry.has("number")) edit.number = entry.number("number");
   if (entry.has("change")) edit.change = entry.text("change", 64);
   if (!edit.change.empty() && (!is_change_name(edit.change) || edit.number == 0))
@@ -110,6 +118,10 @@ EditOperation parse_entry(const EntryReader& entry) {
 }  // namespace
 
 bool takes_color(EditKind kind) { return kind == EditKind::kRecolor || kind == EditKind::kHighlight; }
+
+bool leaves_hole(EditKind kind) {
+  return kind == EditKind::kDelete || kind == EditKind::kMove || kind == EditKind::kReplace;
+}
 
 std::string edit_kind_name(EditKind kind) {
   for (const auto& [known, name] : kKinds) {
@@ -145,8 +157,14 @@ std::string describe(const EditOperation& edit) {
     text += " (threshold " + threshold_text(edit.threshold) + ")";
   if (edit.with_contents) text += kWithContents;
   if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) text += motion_text(edit.motion);
+  if (edit.kind == EditKind::kReplace) {
+    text += " with " + edit.with;
+    if (edit.fit) text += kFitted;
+    if (edit.up_axis != "z") text += std::string(kUpwards) + edit.up_axis;
+    if (edit.motion.turn != 0) text += fmt::format("{}{:.9g}", kAndTurn, edit.motion.turn);
+  }
   if (edit.kind == EditKind::kDelete && edit.fill) text += kHoleFilled;
-  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && !edit.fill) text += kHoleLeftOpen;
+  if (leaves_hole(edit.kind) && !edit.fill) text += kHoleLeftOpen;
   return text;
 }
 
@@ -189,7 +207,13 @@ Json edits_json(const std::vector<EditOperation>& edits) {
                   {"select", edit.select},
                   {"threshold", threshold_text(edit.threshold)}};
     if (takes_color(edit.kind)) entry["color"] = color_text(edit.color);
-    if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) entry["fill"] = edit.fill;
+    if (leaves_hole(edit.kind)) entry["fill"] = edit.fill;
+    if (edit.kind == EditKind::kReplace) {
+      entry["with"] = edit.with;
+      entry["fit"] = edit.fit;
+      entry["up"] = edit.up_axis;
+      entry["turn"] = fmt::format("{:.9g}", edit.motion.turn);
+    }
     if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) {
       const Vec3d& s = edit.motion.shift;
       entry["shift"] = fmt::format("{:.9g},{:.9g},{:.9g}", s.x, s.y, s.z);

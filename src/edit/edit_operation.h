@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -13,11 +14,14 @@
 
 namespace aligngs {
 
+struct InsertedObject;
+
 enum class EditKind {
   kDelete,     ///< the selected objects are gone
   kExtract,    ///< everything else is gone
   kMove,       ///< the selected objects are at another place; what they hid continues there
   kDuplicate,  ///< a copy of the selected objects is at another place
+  kReplace,    ///< the selected objects are gone, and an object from elsewhere is there
   kRecolor,    ///< the selected objects have the colour in the mean; light and texture stay
   kHighlight   ///< the selected objects are mixed with the colour
 };
@@ -27,9 +31,13 @@ struct EditOperation {
   std::string select;  ///< selection text (selection_text.h)
   ThresholdRule threshold;
   std::array<uint8_t, 3> color{255, 200, 0};  ///< sRGB, of kRecolor and kHighlight
-  bool fill = false;                          ///< kDelete, kMove: continue the surfaces behind and under the object
-  bool with_contents = false;                 ///< also things on the selected objects; not for colours
-  ObjectMotion motion;                        ///< kMove, kDuplicate; a copy that has none is beside the original
+  bool fill = false;           ///< kDelete, kMove, kReplace: continue the surfaces behind and under the object
+  bool with_contents = false;  ///< also things on the selected objects; not for colours
+  ObjectMotion motion;         ///< kMove, kDuplicate; a copy that has none is beside the original
+  std::string with;            ///< kReplace: where the other object comes from (inserted_object.h)
+  std::string up_axis = "z";   ///< kReplace: upwards in a file of splats: x, y, z, -x, -y or -z
+  bool fit = false;            ///< kReplace: scale the other object to the box of the selection
+  std::shared_ptr<const InsertedObject> object;  ///< kReplace: what `with` names, once it has been read
   uint32_t number = 0;  ///< in its run, from 1 on, never the same for two edits of a stack; 0: has none yet
   /// file in RUN/edits/ with what the edit did (edit_change_file.h); empty: only the words are known
   std::string change;
@@ -38,9 +46,11 @@ struct EditOperation {
 /// Ends of descriptions.
 inline constexpr std::string_view kWithContents = " with contents";
 inline constexpr std::string_view kHoleFilled = ", hole filled", kHoleLeftOpen = ", hole left open";
+inline constexpr std::string_view kFitted = ", fitted", kUpwards = ", up ", kAndTurn = " and turn by ";
 
 bool takes_color(EditKind kind);            ///< recolor and highlight
-std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "move", "duplicate", "recolor", "highlight"
+bool leaves_hole(EditKind kind);            ///< delete, move and replace
+std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "move", "duplicate", "replace", "recolor", ...
 /// "#rrggbb" or "#rgb"; Error{kUsage} for anything else.
 std::array<uint8_t, 3> parse_color(std::string_view text);
 std::string color_text(const std::array<uint8_t, 3>& color);  ///< "#rrggbb"

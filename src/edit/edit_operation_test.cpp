@@ -29,6 +29,19 @@ TEST(EditsFile, WhatIsWrittenReadsBack) {
   EXPECT_EQ(edits_text(back), text);
 }
 
+TEST(EditsFile, AReplacementReadsBack) {
+  EditOperation replace;
+  replace.kind = EditKind::kReplace;
+  replace.select = "armchair";
+  replace.with = "other_run#sofa#1";
+  replace.fit = true;
+  replace.up_axis = "-y";
+  replace.motion.turn = 45;
+  const std::vector<EditOperation> back = parse_edits(edits_text({replace}), "edits.json");
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(describe(back[0]), describe(replace));
+}
+
 TEST(EditsFile, AnAbsentFileIsAnEmptyStack) { EXPECT_TRUE(read_edits("/nonexistent/edits.json").empty()); }
 
 TEST(EditsFile, MalformedFilesAreRefusedByName) {
@@ -48,6 +61,9 @@ TEST(EditsFile, MalformedFilesAreRefusedByName) {
       entry(R"({"operation": "delete", "select": 3})"),
       entry(R"({"operation": "delete", "select": "a", "fill": "yes"})"),
       entry(R"({"operation": "recolor", "select": "a"})"),
+      entry(R"({"operation": "replace", "select": "a", "up": "z"})"),
+      entry(R"({"operation": "replace", "select": "a", "with": "b.ply"})"),
+      entry(R"({"operation": "replace", "select": "a", "with": "b.ply", "up": "north"})"),
       entry(R"({"operation": "recolor", "select": "a", "color": "blue"})"),
       entry(R"({"operation": "delete", "select": "a", "threshold": "2"})"),
       entry(R"({"operation": "delete", "select": ")" + std::string(5000, 'a') + "\"}"),

@@ -12,6 +12,7 @@
 #include "edit/edit_lock.h"
 #include "edit/edit_log.h"
 #include "edit/edit_products.h"
+#include "edit/inserted_object.h"
 #include "edit/nearest_readings.h"
 #include "gaussians/object_labels.h"
 #include "gaussians/restructure.h"
@@ -72,7 +73,26 @@ EditReport EditSession::carry_out(EditableRoom& room, const EditOperation& edit)
                               soft_.probability.begin() + row + width);
     }
   }
-  return apply_edit(room, edit, *pool_);
+  if (edit.kind != EditKind::kReplace || edit.object) return apply_edit(room, edit, *pool_);
+  EditOperation whole = edit;
+  whole.object = std::make_shared<const InsertedObject>(read_inserted_object(edit.with, edit.up_axis, *pool_));
+  if (!edit.fit && whole.object->metric && *whole.object->metric != scene_.metric) {
+    throw_usage(scene_.metric ? "this room is in metres, and the unit of the other run is not known"
+                              : "the other run is in metres, and the unit of this room is not known",
+                "scale the object to the place of the old one with --fit");
+  }
+  return apply_edit(room, whole, *pool_);
+}
+
+std::shared_ptr<const InsertedObject> EditSession::stored_object(const EditOperation& edit) const {
+  const fs::path file = run_ / "edits" / edit.change;
+  if (edit.kind != EditKind::kReplace || edit.change.empty() || !fs::exists(file)) return nullptr;
+  try {
+    return inserted_by(read_change(file), original_);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return nullptr;  // said already: its source is read again
+  }
 }
 
 std::shared_ptr<const EditChange> EditSession::stored_change(const EditOperation& edit) const {
@@ -105,6 +125,7 @@ std::optional<EditableRoom> EditSession::rebuilt(std::vector<EditOperation>& sta
       continue;
     }
     anew = true;
+    if (!stack[i].object) stack[i].object = stored_object(stack[i]);
     stack[i].change.clear();
     try {
       EditableRoom after = room;
@@ -196,7 +217,10 @@ EditOperation EditSession::undo(size_t number) {
   Changes changes(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(index));
   if (stay) changes.insert(changes.end(), changes_.begin() + static_cast<std::ptrdiff_t>(index) + 1, changes_.end());
   if (!stay) {
-    for (size_t i = index; i < stack.size(); ++i) stack[i].change.clear();
+    for (size_t i = index; i < stack.size(); ++i) {
+      if (stack[i].kind == EditKind::kReplace) stack[i].object = inserted_by(*changes_[i + 1], original_);
+      stack[i].change.clear();
+    }
   }
   std::optional<EditableRoom> edited = rebuilt(stack, changes);
   commit(stack, changes);

@@ -76,6 +76,8 @@ class EditSession {
   std::optional<EditableRoom> rebuilt(std::vector<EditOperation>& stack, Changes& changes);
   /// From the file of an edit; null where there is none that was made on this room.
   std::shared_ptr<const EditChange> stored_change(const EditOperation& edit) const;
+  /// The object in the file of a replacement, also of one that was made on another training; null for other edits.
+  std::shared_ptr<const InsertedObject> stored_object(const EditOperation& edit) const;
   EditReport carry_out(EditableRoom& room, const EditOperation& edit);
   void follow_file();  ///< takes over edits that were made since the stack was read; under the lock
   /// Writes changes that no file has, and the list.

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "edit/color_names.h"
+#include "edit/inserted_object.h"
 #include "edit/motion_text.h"
 
 namespace aligngs {
@@ -17,12 +18,12 @@ constexpr size_t kLongestEdit = 4096;  // bytes, as a selection
 constexpr const char* kExample = "for example \"delete pillow, cushion\" or \"recolor sofa to dark green\"";
 
 constexpr std::pair<std::string_view, EditKind> kVerbs[] = {
-    {"delete", EditKind::kDelete},      {"remove", EditKind::kDelete},   {"extract", EditKind::kExtract},
-    {"keep", EditKind::kExtract},       {"move", EditKind::kMove},       {"push", EditKind::kMove},
-    {"turn", EditKind::kMove},          {"rotate", EditKind::kMove},     {"duplicate", EditKind::kDuplicate},
-    {"copy", EditKind::kDuplicate},     {"recolor", EditKind::kRecolor}, {"recolour", EditKind::kRecolor},
-    {"paint", EditKind::kRecolor},      {"color", EditKind::kRecolor},   {"colour", EditKind::kRecolor},
-    {"highlight", EditKind::kHighlight}};
+    {"delete", EditKind::kDelete},    {"remove", EditKind::kDelete},      {"extract", EditKind::kExtract},
+    {"keep", EditKind::kExtract},     {"move", EditKind::kMove},          {"push", EditKind::kMove},
+    {"turn", EditKind::kMove},        {"rotate", EditKind::kMove},        {"duplicate", EditKind::kDuplicate},
+    {"copy", EditKind::kDuplicate},   {"replace", EditKind::kReplace},    {"recolor", EditKind::kRecolor},
+    {"recolour", EditKind::kRecolor}, {"paint", EditKind::kRecolor},      {"color", EditKind::kRecolor},
+    {"colour", EditKind::kRecolor},   {"highlight", EditKind::kHighlight}};
 
 constexpr std::pair<std::string_view, size_t> kOrdinals[] = {
     {"last", 0},  {"latest", 0}, {"first", 1},   {"second", 2}, {"third", 3}, {"fourth", 4},
@@ -118,6 +119,34 @@ void read_motion(const std::string& verb, EditOperation& edit, std::string& text
   }
 }
 
+/// Takes " with SOURCE, fitted, up -y and turn by 90" off a replacement.
+void read_source(EditOperation& edit, std::string& text) {
+  constexpr std::string_view kWith = " with ";
+  size_t at = text.find(kWith);
+  while (at != std::string::npos &&
+         lower(text).compare(at, kWithContents.size() + 1, std::string(kWithContents) + " ") == 0)
+    at = text.find(kWith, at + kWith.size());
+  if (at == std::string::npos) {
+    throw_usage("the replacement has no object",
+                "for example \"replace armchair with chair.ply\" or \"replace sofa with other_run#sofa#1\"");
+  }
+  edit.with = text.substr(at + kWith.size());
+  text.resize(at);
+  const auto take_value = [&](std::string_view before) -> std::optional<std::string> {
+    const size_t place = lower(edit.with).rfind(before);
+    if (place == std::string::npos) return {};
+    std::string value = edit.with.substr(place + before.size());
+    edit.with.resize(place);
+    trim(value);
+    return value;
+  };
+  if (const auto turn = take_value(kAndTurn)) edit.motion.turn = parse_turn(*turn);
+  if (const auto up = take_value(kUpwards)) edit.up_axis = (parse_axis(*up), *up);
+  edit.fit = take_ending(edit.with, kFitted);
+  trim(edit.with);
+  if (edit.with.empty()) throw_usage("the replacement has no object", "name FILE.ply or RUN#OBJECT after \"with\"");
+}
+
 /// The number of "undo the second edit", "undo #2", "undo 2nd"; nothing where the words say no number.
 std::optional<size_t> undo_number(std::string words) {
   for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. "}) {
@@ -180,14 +209,15 @@ EditOperation parse_edit(std::string_view given) {
       std::find_if(std::begin(kVerbs), std::end(kVerbs), [&](const auto& v) { return v.first == verb; });
   if (known == std::end(kVerbs)) {
     throw_usage(verb.empty() ? "there is no edit" : "\"" + verb.substr(0, 40) + "\" is no edit",
-                std::string("say delete, extract, move, turn, duplicate, recolor or highlight, ") + kExample);
+                std::string("say delete, extract, move, turn, duplicate, replace, recolor or highlight, ") + kExample);
   }
   EditOperation edit;
   edit.kind = known->second;
   text.erase(0, verb_end);
   const std::optional<bool> fill = take_fill(text);
-  edit.fill = fill.value_or(true) && (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove);
+  edit.fill = fill.value_or(true) && leaves_hole(edit.kind);
   trim(text);
+  if (edit.kind == EditKind::kReplace) read_source(edit, text);
   // The motion is at the end, and the contents before it.
   if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) read_motion(verb, edit, text);
   edit.with_contents = take_contents(text);
@@ -197,8 +227,8 @@ EditOperation parse_edit(std::string_view given) {
   if (edit.with_contents && takes_color(edit.kind)) {
     throw_usage("the contents of an object are deleted, extracted or moved with it", "leave out \"with contents\"");
   }
-  if (fill && edit.kind != EditKind::kDelete && edit.kind != EditKind::kMove) {
-    throw_usage("--fill closes the hole that a deletion leaves", "use it with delete or move");
+  if (fill && !leaves_hole(edit.kind)) {
+    throw_usage("--fill closes the hole that a deletion leaves", "use it with delete, move or replace");
   }
   if (edit.kind == EditKind::kRecolor || edit.kind == EditKind::kHighlight) {
     if (const auto color = take_color(text)) {

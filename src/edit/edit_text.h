@@ -11,14 +11,13 @@
 namespace aligngs {
 
 /// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or
-/// keep,
-/// move or push, turn or rotate, duplicate or copy (motion_text.h), recolor (recolour, paint, color, colour),
-/// highlight. A colour (color_names.h) is at the end, after "to", "in" or
-/// "with" or by itself; highlighting can do without. A deletion fills its hole, as the button of the page does, unless
-/// the text says "--no-fill" or ", hole left open". "With contents" (or "and what is on it") takes along things on
-/// the objects. "--fill" and "--threshold X" mean what they mean on the command
-/// line. Reads back every describe() of an edit. Error{kUsage} for anything else; the selection is only checked against
-/// a label set when it is applied.
+/// keep, move or push, turn or rotate, duplicate or copy (motion_text.h), replace, highlight, and recolor. Recolour,
+/// paint, color and colour are recolor. A colour (color_names.h) is at the end, after "to", "in" or "with" or by itself.
+/// Highlighting can do without. "Replace sofa with chair.ply" may end in ", fitted", ", up -y" and " and turn by 90".
+/// A deletion fills its hole, as the button of the page does, unless the text says "--no-fill" or ", hole left open".
+/// "With contents" (or "and what is on it") takes along things on the objects. "--fill" and "--threshold X" mean what
+/// they mean on the command line. Reads back every describe() of an edit. Error{kUsage} for anything else; the selection
+/// is only checked against a label set when it is applied.
 EditOperation parse_edit(std::string_view text);
 
 /// The verbs of parse_edit().

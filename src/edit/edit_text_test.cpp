@@ -77,6 +77,24 @@ TEST(EditText, ObjectsAreMovedTurnedAndCopied) {
     EXPECT_THROW(parse_edit(text), Error) << text;
 }
 
+TEST(EditText, AnObjectIsReplaced) {
+  const EditOperation edit = parse_edit("replace the largest chair with My Runs/other#sofa#1, fitted and turn by 90");
+  EXPECT_EQ(edit.kind, EditKind::kReplace);
+  EXPECT_EQ(edit.select, "the largest chair");
+  EXPECT_EQ(edit.with, "My Runs/other#sofa#1");
+  EXPECT_TRUE(edit.fit);
+  EXPECT_DOUBLE_EQ(edit.motion.turn, 90);
+  EXPECT_TRUE(edit.fill) << "what is behind it is filled";
+  for (const char* text : {"replace chair with a.ply",
+                           "replace chair (threshold 0.25) with contents with a.ply, fitted, up -y and turn by 5",
+                           "replace chair with a.ply, up x, hole left open"}) {
+    EXPECT_EQ(describe(parse_edit(text)), text);
+  }
+  for (const char* text :
+       {"replace chair", "replace chair with", "replace with a.ply", "replace chair with a.ply, up w"})
+    EXPECT_THROW(parse_edit(text), Error) << text;
+}
+
 TEST(EditText, AnEditIsUndoneByItsNumber) {
   EXPECT_EQ(parse_request("undo").undo, 0u);
   EXPECT_EQ(parse_request("Undo the last edit").undo, 0u);

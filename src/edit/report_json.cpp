@@ -22,8 +22,13 @@ Json report_json(const EditReport& report, const LabelSet& labels) {
   }
   Json contents = Json::array();
   for (const SelectedObject& object : report.contents) contents.push_back(object_name(object, labels));
+  Json parts = Json::array();
+  for (const SelectedObject& object : report.parts) parts.push_back(object_name(object, labels));
   return {{"edit", report.description},
           {"left_behind", contents},
+          {"parts", parts},
+          {"replacement", report.replacement ? Json(object_name(*report.replacement, labels)) : Json(nullptr)},
+          {"inserted_gaussians", report.inserted},
           {"objects", objects},
           {"selected_gaussians", report.selected},
           {"gaussians_before", report.before},

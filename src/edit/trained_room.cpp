@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "core/error.h"
-#include "edit/crumbs.h"
 #include "edit/mesh_rows.h"
 #include "edit/room_up.h"
+#include "edit/shell_labels.h"
 #include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -58,6 +58,7 @@ void apply_written_cameras(const fs::path& file, Scene& scene) {
   }
 }
 
+/// With the labels of the file.
 LabelledGaussians read_finished_room(const fs::path& run, const Scene& scene, ThreadPool& pool) {
   const RunFolder paths(run);
   const double extent = robust_extent(scene);
@@ -79,7 +80,6 @@ LabelledGaussians read_finished_room(const fs::path& run, const Scene& scene, Th
   room.labels = std::move(file.labels);
   room.labels.label_set = scene.labels.name;
   room.named = true;
-  join_crumbs(room, {}, pool);
   return room;
 }
 
@@ -108,6 +108,7 @@ TrainedRoom read_trained_room(const fs::path& run, const fs::path& scene, Thread
   room.labels = out.scene.labels;
   room.up = up_of_room(out.scene, room.gaussians);
   for (const int view : out.scene.train) room.cameras.push_back(working_camera(out.scene, out.config, view));
+  correct_shell_labels(room.gaussians, room.labels, room.cameras, pool);
   room.origins.reserve(room.gaussians.model.size());
   for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false, i});
   if (fs::exists(run / "mesh" / "mesh.ply")) room.mesh = read_mesh_ply(run / "mesh" / "mesh.ply");

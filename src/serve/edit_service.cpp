@@ -68,6 +68,18 @@ std::string files_of(const fs::path& run) {
   return all;
 }
 
+/// A page names objects beside its run only: what it asks for never leads elsewhere in the file system.
+EditOperation beside_run(EditOperation edit, const fs::path& run) {
+  if (edit.kind != EditKind::kReplace) return edit;
+  const fs::path source(edit.with);
+  const bool leads_out = std::any_of(source.begin(), source.end(), [](const fs::path& part) { return part == ".."; });
+  if (source.is_absolute() || leads_out)
+    throw_usage("the page replaces objects by those of the folder that the run is in",
+                "name a run or a .ply file there, or use aligngs edit RUN --replace");
+  edit.with = ((fs::absolute(run) / "..").lexically_normal() / source).string();
+  return edit;
+}
+
 }  // namespace
 
 EditService::EditService(EditServiceOptions options) : options_(std::move(options)) {}
@@ -115,7 +127,7 @@ std::string EditService::preview(const std::string& request) {
   const EditRequest asked = s.understand(text);
   if (asked.undo) throw_usage("there is no preview of an undo", "apply it; \"again\" brings the edit back");
   BeforeAfter picture;
-  Json answer = report_json(s.preview(asked.edit, &picture), s.room().labels);
+  Json answer = report_json(s.preview(beside_run(asked.edit, options_.run), &picture), s.room().labels);
   answer["view"] = picture.view;
   answer["picture"] = nullptr;
   if (!picture.picture.empty()) {
@@ -137,7 +149,7 @@ std::string EditService::push(const std::string& request) {
   EditSession& s = session();
   const EditRequest asked = s.understand(text);
   if (asked.undo) return undone(*asked.undo);
-  const Json report = report_json(s.push(asked.edit), s.room().labels);
+  const Json report = report_json(s.push(beside_run(asked.edit, options_.run)), s.room().labels);
   redo_.clear();
   return listed("report", report);
 }

@@ -32,6 +32,28 @@ RemovalTruth make_removal_truth(const SynthScene& scene, const Removal& removal,
   return truth;
 }
 
+std::string room_objects_json(const RoomModel& room) {
+  std::vector<std::pair<uint32_t, uint32_t>> vertices(room.objects.size(), {~0u, 0});
+  for (size_t t = 0; t < room.triangles.size(); ++t) {
+    auto& [first, end] = vertices[room.triangle_object[t]];
+    for (const uint32_t v : room.triangles[t]) {
+      first = std::min(first, v);
+      end = std::max(end, v + 1);
+    }
+  }
+  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < room.objects.size(); ++i) {
+    const ObjectBox box = box_of(room, i);
+    if (vertices[i].first >= vertices[i].second) continue;  // nothing of it is left
+    objects.push_back({{"object", object_name(room, i)},
+                       {"class", room.objects[i].class_name},
+                       {"low", {box.low.x, box.low.y, box.low.z}},
+                       {"high", {box.high.x, box.high.y, box.high.z}},
+                       {"vertices", {vertices[i].first, vertices[i].second}}});
+  }
+  return json_document(nlohmann::ordered_json{{"schema", 1}, {"objects", objects}});
+}
+
 void write_removal_truth(const SynthScene& scene, const RemovalTruth& truth, const std::filesystem::path& folder) {
   const std::filesystem::path place = folder / truth.removal.name;
   for (size_t i = 0; i < truth.pictures.size(); ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "synth/removal.h"
@@ -22,6 +23,10 @@ RemovalTruth make_removal_truth(const SynthScene& scene, const Removal& removal,
 /// The scene folder with the truth of the removals in truth/without/.
 void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite,
                        const std::vector<RemovalTruth>& removals);
+
+/// objects.json of a truth folder: name, class and box of every object, and the vertices [first, end) of mesh.ply that
+/// are its surface.
+std::string room_objects_json(const RoomModel& room);
 
 /// Writes <folder>/<removal name>/: rgb/<view>.png, mask/<view>.png, mesh.ply and removal.json, which has the name,
 /// the class and the box of every object.

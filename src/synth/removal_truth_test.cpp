@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "scene/label_set.h"
 #include "scene/mesh_ply.h"
 
 namespace aligngs {
@@ -96,6 +99,20 @@ TEST_F(RemovalTruthTest, TheFolderHoldsPicturesMasksMeshAndNames) {
   EXPECT_TRUE(fs::exists(folder / "bed#1" / "mask" / view));
   EXPECT_TRUE(fs::exists(folder / "bed#1" / "removal.json"));
   EXPECT_EQ(read_mesh_ply(folder / "bed#1" / "mesh.ply").triangles.size(), truth.mesh.triangles.size());
+}
+
+TEST_F(RemovalTruthTest, EveryVertexOfTheMeshIsOfOneListedObject) {
+  const nlohmann::json objects = nlohmann::json::parse(room_objects_json(scene_->room)).at("objects");
+  EXPECT_EQ(objects.size(), scene_->room.objects.size());
+  std::vector<int> owners(scene_->mesh.vertices.size(), 0);
+  for (const nlohmann::json& object : objects) {
+    const int label = ade20k_labels().find(object.at("class").get<std::string>());
+    for (size_t v = object.at("vertices")[0]; v < object.at("vertices")[1].get<size_t>(); ++v) {
+      ++owners.at(v);
+      EXPECT_EQ(scene_->mesh.labels[v], label);
+    }
+  }
+  EXPECT_EQ(std::count(owners.begin(), owners.end(), 1), static_cast<std::ptrdiff_t>(owners.size()));
 }
 
 }  // namespace

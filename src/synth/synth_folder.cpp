@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "core/half.h"
+#include "io/atomic_file.h"
 #include "room/room_json.h"
 #include "scene/scene_writer.h"
 #include "synth/removal_truth.h"
@@ -99,6 +100,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.truth_mesh = scene.mesh;
   writer.write(parts);
   write_room(writer.folder() / "truth" / "room.json", room_truth(scene.room));
+  write_file_atomically(writer.folder() / "truth" / "objects.json", room_objects_json(scene.room));
   for (const RemovalTruth& removal : removals)
     write_removal_truth(scene, removal, writer.folder() / "truth" / "without");
   writer.commit();

@@ -4,6 +4,7 @@ import { editedMeshUrl, exportedMesh, fetchState, fileUrl, kExported, listen, ty
 import { ClassList } from './class_list';
 import { Comparison } from './comparison';
 import { element } from './dom';
+import { ObjectDrag } from './drag';
 import { EditPanel } from './edits';
 import { joystick } from './joystick';
 import { bindKeys, showKeys, type Key } from './keys';
@@ -50,8 +51,14 @@ export class Page {
   readonly views: SavedViews;
   readonly measures: Measures;
   readonly path: PathPanel;
+  readonly drag: ObjectDrag;
 
   constructor(private viewer: Viewer) {
+    this.drag = new ObjectDrag(viewer, { // before the navigation, which hears the same pointers
+      picked: () => (this.selection.name && !this.ruler && !this.comparison.camera ? { ...this.selection.picked!, name: this.selection.name } : null),
+      cameras: () => this.state.cameras ?? [], metric: () => this.state.units === 'metres',
+      apply: (edit) => this.edits.apply(edit), tell: (text) => this.messages.show(text, 'work'),
+    });
     this.navigation = new Navigation(viewer.camera, viewer.canvas, () => viewer.moved(), (x, y) => this.clicked(x, y));
     this.comparison = new Comparison(viewer, () => { this.selection.clear(); this.navigation.enabled = false; }, () => this.startPose());
     this.objects = new ObjectList({
@@ -347,6 +354,7 @@ export class Page {
     { keys: ['1', '2'], shown: '1, 2', does: 'splats, mesh', here: () => !!this.state.mesh, action: (key) => this.showMode(key === '1' ? 'splats' : 'mesh') },
     { keys: ['w', 'a', 's', 'd', 'q', 'e'], shown: 'w a s d q e', does: 'move', action: (key) => void this.navigation.press(key) },
     { keys: ['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight'], shown: 'arrows', does: 'forward, back, turn', action: (key) => void this.navigation.press(key) },
+    { keys: [], shown: 'drag, shift + arrows', does: 'move the picked object over the floor', here: () => !!this.selection.name, action: () => {} },
     { keys: ['g'], shown: 'g', does: 'walk through the room, or turn it', action: () => this.setMode(this.navigation.mode === 'walk' ? 'orbit' : 'walk') },
     { keys: ['h'], shown: 'h', does: 'start pose', action: () => this.startPose() },
     { keys: ['f'], shown: 'f', does: 'floor plan', here: () => !!this.state.room, action: () => this.togglePlan() },

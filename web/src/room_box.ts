@@ -48,6 +48,11 @@ export class RoomBox {
     return found;
   }
 
+  /// The walls: level directions out of the room, and how far the box reaches in each.
+  get walls(): Cut[] {
+    return [0, 2].flatMap((k) => [{ normal: this.axes[k].clone(), offset: this.high[k] }, { normal: this.axes[k].clone().mulScalar(-1), offset: -this.low[k] }]);
+  }
+
   /// The nearest place inside, `margin` scene units off the walls.
   inside(p: Vec3, margin: number): Vec3 {
     const out = new Vec3();

@@ -13,7 +13,7 @@ const kHoverGlow = 0.25, kPickedGlow = 0.5;
 export class Selection {
   name: string | null = null; // what the edit buttons mean: "pillow#2", or a class without objects
   private state!: RunState;
-  private picked: { label: number; instance: number } | null = null;
+  picked: { label: number; instance: number } | null = null;
   private hovered = '';
   private next = 0;
   private editable = false;

@@ -17,7 +17,16 @@ const kModifier = `
   uniform vec4 aligngsCut1;
   uniform vec4 aligngsCut2;
   uniform float aligngsWall;   // how thick a wall is, scene units
-  void modifySplatCenter(inout vec3 center) {}
+  uniform vec4 aligngsMoved;   // the object that is dragged, as aligngsGlow
+  uniform vec3 aligngsShift;   // and how far, y-up world
+  bool isOf(vec4 which) {
+    vec4 own = loadSplatLabel();
+    float number = floor(own.g * 255.0 + 0.5) + 256.0 * floor(own.b * 255.0 + 0.5);
+    return abs(floor(own.r * 255.0 + 0.5) - which.x) < 0.5 && (which.y < 0.0 || abs(number - which.y) < 0.5);
+  }
+  void modifySplatCenter(inout vec3 center) {
+    if (isOf(aligngsMoved)) center += aligngsShift;
+  }
   void modifySplatRotationScale(vec3 originalCenter, vec3 modifiedCenter, inout vec4 rotation, inout vec3 scale) {}
   float beyond(vec3 center, vec4 cut, bool shell) {
     float d = dot(center, cut.xyz) - cut.w;
@@ -26,13 +35,12 @@ const kModifier = `
   void modifySplatColor(vec3 center, inout vec4 color) {
     vec4 own = loadSplatLabel();
     int label = int(own.r * 255.0 + 0.5);
-    float number = floor(own.g * 255.0 + 0.5) + 256.0 * floor(own.b * 255.0 + 0.5);
     vec4 style = texelFetch(aligngsStyle, ivec2(label, 0), 0), flags = texelFetch(aligngsStyle, ivec2(label, 1), 0);
     bool shell = flags.g > 0.5;
     color.rgb = mix(color.rgb, style.rgb, style.a);
     color.a *= flags.r * own.a;
     color.a *= beyond(center, aligngsCut0, shell) * beyond(center, aligngsCut1, shell) * beyond(center, aligngsCut2, shell);
-    if (abs(float(label) - aligngsGlow.x) < 0.5 && (aligngsGlow.y < 0.0 || abs(number - aligngsGlow.y) < 0.5)) {
+    if (isOf(aligngsGlow)) {
       color.rgb = mix(color.rgb, vec3(1.0, 0.72, 0.15), aligngsGlow.z) + 0.15 * aligngsGlow.z;
     }
   }`;
@@ -63,6 +71,12 @@ export class SplatLayer {
   /// Lets one object glow; null: none.
   glow(which: { label: number; instance: number } | null, strength: number): void {
     this.set('aligngsGlow', which ? [which.label, which.instance > 0 ? which.instance : -1, strength, 0] : [-9, -1, 0, 0]);
+  }
+
+  /// Draws one object at another place; null: all are where they are.
+  move(which: { label: number; instance: number } | null, shift: number[]): void {
+    this.set('aligngsMoved', which ? [which.label, which.instance > 0 ? which.instance : -1, 0, 0] : [-9, -1, 0, 0]);
+    this.set('aligngsShift', shift);
   }
 
   /// Cuts away the sides of the room that are in the way, at most three.
@@ -101,6 +115,7 @@ export class SplatLayer {
     texture.unlock();
     this.entity.gsplat!.setParameter('aligngsStyle', styles as unknown as number);
     this.glow(null, 0);
+    this.move(null, [0, 0, 0]);
     this.cut([], 1);
     this.entity.gsplat!.setWorkBufferModifier({ glsl: kModifier } as never);
   }

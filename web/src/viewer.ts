@@ -209,6 +209,20 @@ export class Viewer {
     this.draw();
   }
 
+  /// Draws an object at another place until new splats come; null: where it is.
+  moveObject(which: { label: number; instance: number } | null, shift = new Vec3()): void {
+    this.layer?.move(which, [shift.x, shift.y, shift.z]);
+    this.draw();
+  }
+
+  /// The place of a level of the y-up world that is under a point of the canvas (CSS pixels); null: none.
+  atHeight(x: number, y: number, height: number): Vec3 | null {
+    const box = this.canvas.getBoundingClientRect(), eye = this.camera.getPosition();
+    const direction = this.camera.camera!.screenToWorld(x - box.left, y - box.top, 10).sub(eye).normalize();
+    const along = (height - eye.y) / direction.y;
+    return Number.isFinite(along) && along > 0 ? eye.clone().add(direction.mulScalar(along)) : null;
+  }
+
   /// Objects (objectKey) that are not drawn and not picked.
   hideObjects(hidden: Set<string>): void {
     this.hiddenObjects = hidden;

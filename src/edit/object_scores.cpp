@@ -1,0 +1,150 @@
+#include "edit/object_scores.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "edit/mesh_selection.h"
+#include "edit/selection.h"
+#include "io/atomic_file.h"
+#include "io/json_text.h"
+#include "metrics/point_index.h"
+#include "metrics/surface_points.h"
+
+namespace aligngs {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kLargestList = uint64_t(16) << 20;  // bytes of objects.json
+constexpr uint32_t kNoObject = ~0u;
+
+/// True object of each surface point of the run, the first of its name; kNoObject where no truth is near.
+std::vector<uint32_t> true_objects_of(const std::vector<Vec3f>& points, const TriangleMesh& truth,
+                                      const std::vector<TrueObject>& objects, const ObjectScoreOptions& options,
+                                      ThreadPool& pool) {
+  SamplingOptions sampling;
+  sampling.points_per_area = 1e4;  // 1 per cm^2: much finer than the threshold
+  const SurfaceSamples samples = sample_surface(truth, sampling);
+  std::vector<uint32_t> of_vertex(truth.vertices.size(), kNoObject);
+  for (uint32_t o = 0; o < objects.size(); ++o) {
+    uint32_t same = 0;  // the first of this name
+    while (objects[same].name != objects[o].name) ++same;
+    for (uint32_t v = objects[o].first; v < objects[o].end; ++v) of_vertex[v] = same;
+  }
+  const PointIndex index(samples.positions);
+  std::vector<uint32_t> out;
+  for (const Nearest& n : index.nearest(points, pool)) {
+    const bool has_truth = n.index != Nearest::kNoPoint && n.distance <= options.threshold;
+    out.push_back(has_truth ? of_vertex[truth.triangles[samples.triangles[n.index]][0]] : kNoObject);
+  }
+  return out;
+}
+
+/// All objects of a room, and all its classes with several objects.
+std::vector<SelectionTerm> selectable(const EditableRoom& room) {
+  std::vector<SelectionTerm> terms;
+  std::map<int, size_t> counts;
+  for (const Instance& o : list_instances(room.gaussians.model, room.gaussians.labels)) {
+    terms.push_back({o.label, o.number, ObjectChoice::kNone});
+    if (++counts[o.label] == 2) terms.push_back({o.label, 0, ObjectChoice::kNone});
+  }
+  return terms;
+}
+
+/// Flag per surface point: two vertices of its triangle or more are selected, as in submesh().
+std::vector<uint8_t> selected_points(const EditableRoom& room, const SelectionTerm& term, const SurfaceSamples& surface,
+                                     ThreadPool& pool) {
+  SelectionQuery query;
+  query.include = {term};
+  std::vector<uint8_t> flags(surface.positions.size(), 0);
+  const GaussianSelection selection = select_gaussians(room.gaussians, query, {}, room.labels, {}, pool);
+  const std::vector<uint8_t> vertices =
+      select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent, pool);
+  for (size_t i = 0; i < flags.size(); ++i) {
+    int count = 0;
+    for (const uint32_t v : room.mesh.triangles[surface.triangles[i]]) count += vertices[v];
+    flags[i] = count >= 2;
+  }
+  return flags;
+}
+
+/// Walls are one object: their corners say nothing to a selection.
+std::vector<TrueObject> with_one_wall(std::vector<TrueObject> objects) {
+  for (TrueObject& o : objects) {
+    if (o.name.rfind("wall#", 0) == 0) o.name = "wall";
+  }
+  return objects;
+}
+
+}  // namespace
+
+std::vector<TrueObject> read_true_objects(const std::filesystem::path& file, size_t vertices) {
+  const auto refuse = [&](const std::string& field, const char* message) {
+    throw_bad_input(file, field, message, "make the scene again: aligngs synth");
+  };
+  const Json document = parse_ordered_json(read_file(file, kLargestList));
+  std::vector<TrueObject> out;
+  try {
+    if (document.at("schema") != 1) refuse("schema", "schema 1 is expected");
+    for (const Json& entry : document.at("objects")) {
+      const Json& range = entry.at("vertices");
+      out.push_back({entry.at("object").get<std::string>(), range.at(0).get<uint32_t>(), range.at(1).get<uint32_t>()});
+      if (out.back().first > out.back().end || out.back().end > vertices)
+        refuse("objects[" + std::to_string(out.size() - 1) + "].vertices", "the mesh has no such vertices");
+    }
+  } catch (const nlohmann::json::exception&) {
+    refuse("objects", "a value is missing or of another type");
+  }
+  return out;
+}
+
+std::vector<ObjectScore> score_objects(const EditableRoom& room, const TriangleMesh& truth,
+                                       const std::vector<TrueObject>& given, ThreadPool& pool,
+                                       const ObjectScoreOptions& options) {
+  const std::vector<TrueObject> objects = with_one_wall(given);
+  if (room.mesh.vertices.empty())
+    throw_bad_input({}, "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
+  if (!room.gaussians.has_labels())
+    throw_bad_input({}, "labels", "this run was trained without semantics, so that no object has a name",
+                    "train a scene that has segmentation_logits/");
+  SamplingOptions sampling;
+  sampling.points_per_area = options.points_per_area;
+  const SurfaceSamples surface = sample_surface(room.mesh, sampling);
+  const std::vector<uint32_t> truly = true_objects_of(surface.positions, truth, objects, options, pool);
+  std::vector<size_t> sizes(objects.size(), 0);
+  for (const uint32_t o : truly) {
+    if (o != kNoObject) ++sizes[o];
+  }
+  std::vector<ObjectScore> scores(objects.size());
+  for (size_t o = 0; o < objects.size(); ++o) {
+    scores[o].object = objects[o].name;
+    scores[o].area = static_cast<double>(sizes[o]) / options.points_per_area;
+  }
+  for (const SelectionTerm& term : selectable(room)) {
+    const std::vector<uint8_t> chosen = selected_points(room, term, surface, pool);
+    std::vector<size_t> both(objects.size(), 0);
+    size_t all = 0;
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      if (!chosen[i] || truly[i] == kNoObject) continue;
+      ++all;
+      ++both[truly[i]];
+    }
+    for (size_t o = 0; o < objects.size(); ++o) {
+      const double iou = both[o] ? static_cast<double>(both[o]) / static_cast<double>(all + sizes[o] - both[o]) : 0;
+      if (iou <= scores[o].iou) continue;
+      scores[o].iou = iou;
+      SelectionQuery query;
+      query.include = {term};
+      scores[o].selection = selection_text(query, room.labels);
+    }
+  }
+  std::vector<ObjectScore> out;
+  for (size_t o = 0; o < objects.size(); ++o) {
+    if (sizes[o] >= options.least_points) out.push_back(scores[o]);
+  }
+  return out;
+}
+
+}  // namespace aligngs

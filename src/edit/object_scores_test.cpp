@@ -1,0 +1,66 @@
+#include "edit/object_scores.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "edit/small_room_for_tests.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+namespace {
+
+/// Vertices of the small room's own mesh as its truth, an object for each run of one label.
+std::vector<TrueObject> objects_of(const TriangleMesh& mesh) {
+  std::vector<TrueObject> out;
+  uint32_t begin = 0;
+  for (uint32_t v = 1; v <= mesh.vertices.size(); ++v) {
+    if (v < mesh.vertices.size() && mesh.labels[v] == mesh.labels[begin]) continue;
+    out.push_back({"label " + std::to_string(mesh.labels[begin]), begin, v});
+    begin = v;
+  }
+  return out;
+}
+
+double iou_of(const std::vector<ObjectScore>& scores, int label) {
+  for (const ObjectScore& s : scores) {
+    if (s.object == "label " + std::to_string(label)) return s.iou;
+  }
+  return -1;
+}
+
+class ObjectScores : public testing::Test {
+ protected:
+  ThreadPool pool_{2};
+  EditableRoom room_ = small_room::make(pool_);
+};
+
+TEST_F(ObjectScores, TrueLabelsScoreHigh) {
+  const auto scores = score_objects(room_, room_.mesh, objects_of(room_.mesh), pool_);
+  EXPECT_GT(iou_of(scores, small_room::kBox), 0.9);
+  EXPECT_GT(iou_of(scores, small_room::kFloor), 0.9);
+}
+
+TEST_F(ObjectScores, HalfOfABoxScoresHalf) {
+  for (size_t i = 0; i < room_.gaussians.labels.label.size(); ++i) {
+    if (room_.gaussians.labels.label[i] == small_room::kBox && room_.gaussians.model.positions[3 * i] < 0)
+      room_.gaussians.labels.label[i] = small_room::kFloor;
+  }
+  const auto scores = score_objects(room_, room_.mesh, objects_of(room_.mesh), pool_);
+  EXPECT_NEAR(iou_of(scores, small_room::kBox), 0.5, 0.1);
+}
+
+TEST_F(ObjectScores, ARunWithoutAMeshIsBadInput) {
+  const TriangleMesh truth = room_.mesh;
+  room_.mesh = {};
+  EXPECT_THROW(score_objects(room_, truth, objects_of(truth), pool_), Error);
+}
+
+TEST_F(ObjectScores, VerticesThatTheMeshHasNotAreBadInput) {
+  const std::filesystem::path file = testing::TempDir() + "/objects_of_test.json";
+  write_file_atomically(file, R"({"schema": 1, "objects": [{"object": "box#1", "vertices": [0, 99]}]})");
+  EXPECT_EQ(read_true_objects(file, 99).size(), 1u);
+  EXPECT_THROW(read_true_objects(file, 98), Error);
+}
+
+}  // namespace
+}  // namespace aligngs
