@@ -35,6 +35,7 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
   scene_ = std::move(trained.scene);
   original_ = std::move(trained.room);
   base_ = room_digest(original_);
+  follow_selections();
   stack_ = read_edits(run / "edits.json");
   listed_ = edits_text(stack_);
   room_ = rebuilt(stack_, changes_);
@@ -123,6 +124,7 @@ EditableRoom EditSession::rebuilt(std::vector<EditOperation>& stack, Changes& ch
 }
 
 void EditSession::follow_file() {
+  follow_selections();
   std::vector<EditOperation> now = read_edits(run_ / "edits.json");
   std::string listed = edits_text(now);
   if (listed == listed_) return;

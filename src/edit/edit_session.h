@@ -58,6 +58,13 @@ class EditSession {
   /// after it stay. Those that follow from it are carried out again (edit_independence.h). Error{kUsage} when there is
   /// none, Error{kBadInput} when a later edit needs it; nothing changes then.
   EditOperation undo(size_t number = 0);
+  /// Selections that were drawn by hand, as RUN/selections.json has them now.
+  const RoomSelections& selections();
+  /// Keeps a selection under a name; `rows` has one flag per Gaussian of original(). Errors as add_selection's
+  /// (named_selection_log.h).
+  void save_selection(const std::string& name, const std::vector<uint8_t>& rows);
+  void rename_selection(const std::string& name, const std::string& to);
+  void remove_selection(const std::string& name);
   /// Reads a sentence (edit_text.h). Error{kUsage} with the three nearest readings for what this room does not
   /// understand.
   EditRequest understand(std::string_view text) const;
@@ -76,6 +83,7 @@ class EditSession {
   std::shared_ptr<const EditChange> stored_change(const EditOperation& edit) const;
   EditReport carry_out(EditableRoom& room, const EditOperation& edit);
   void follow_file();  ///< takes over edits that were made since the stack was read; under the lock
+  void follow_selections();
   /// Writes changes that no file has, and the list.
   void commit(std::vector<EditOperation>& stack, const Changes& changes);
   const TrainingState& state();
@@ -94,6 +102,7 @@ class EditSession {
   std::vector<EditOperation> stack_;
   std::string listed_;  ///< content of edits.json that stack_ was read from or written to
   Changes changes_;
+  std::string listed_selections_;         ///< content of selections.json that was read
   std::unique_ptr<TrainingState> state_;  ///< of the last checkpoint, when it was needed
   SoftLabels soft_;                       ///< of the rows of original_, when a threshold needed them
 };

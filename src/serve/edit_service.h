@@ -50,12 +50,14 @@ class EditService {
   /// The edited mesh as PLY; nothing when the run has none.
   std::optional<GetAnswer> mesh();
 
+  /// The open run, as its files are now.
+  EditSession& session();
+
   /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, and POST /api/edits/{preview,push,undo,redo} and
   /// /api/export. The service must outlive the server.
   void serve(ViewServerOptions& options);
 
  private:
-  EditSession& session();
   std::string undone(size_t number);
   nlohmann::json stack();  ///< what list() writes
   /// list() after a change of the stack, with one more field.

@@ -158,12 +158,13 @@ fs::path ServedRun::scene_folder() const {
 }
 
 std::string ServedRun::state() const {
-  Json state = {
-      {"splats", nullptr},  {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
-      {"classes", nullptr}, {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
-      {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
-      {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
-      {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()}};
+  Json state = {{"splats", nullptr},       {"mesh", nullptr},           {"up", nullptr},
+                {"units", nullptr},        {"classes", nullptr},        {"cameras", nullptr},
+                {"views", Json::object()}, {"train", nullptr},          {"report", false},
+                {"status", "file"},        {"stage", nullptr},          {"stages", Json::array()},
+                {"active", false},         {"editable", false},         {"edited", false},
+                {"edits", nullptr},        {"drawable", false},         {"not_editable", nullptr},
+                {"room", nullptr},         {"problems", Json::array()}, {"selections", nullptr}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -197,6 +198,7 @@ std::string ServedRun::state() const {
     state["edited"] = true;
     state["edits"] = file_version(root_ / "edits.json");
   }
+  state["selections"] = has_file(root_, "selections.json") ? Json(file_version(root_ / "selections.json")) : Json();
   state["version"] =
       file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
@@ -219,7 +221,7 @@ std::string ServedRun::signature() const {
   if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
   for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json",
-                           "mesh/mesh.ply", "metrics.json", "report.html"}) {
+                           "selections.json", "mesh/mesh.ply", "metrics.json", "report.html"}) {
     text += "/" + file_version(root_ / name);
   }
   return text;
