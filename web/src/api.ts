@@ -14,6 +14,7 @@ export interface RunState {
   name: string; status: string | null; stage: string | null; stages: Stage[]; version: string;
   active: boolean; editable: boolean; edited: boolean;
   edits: string | null;               // version of the edits
+  selections: string | null;          // version of the selections by hand
   drawable: boolean;                  // the server draws pictures of the trained room
   splats: string | null; mesh: string | null; up: [number, number, number] | null; units: string | null;
   classes: ClassInfo[] | null; cameras: CameraInfo[] | null;
@@ -53,7 +54,7 @@ export async function fetchState(): Promise<RunState> {
   if (embedded) {
     const { state, columns } = await unpackScene(embedded.textContent!.trim());
     exported = columns;
-    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
+    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, selections: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
   }
   return answered(await request('/api/state'));
 }

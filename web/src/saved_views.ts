@@ -1,9 +1,10 @@
 // Views of the room that are kept: in this browser by name, and in a link.
 import { Vec3 } from 'playcanvas';
+import { cutText, type CutBox, type CutShares } from './cut_box';
 import { element, iconButton, kIcons, make } from './dom';
 import { type Pose } from './navigation';
 
-interface Saved { name: string; eye: number[]; target: number[] }
+interface Saved { name: string; eye: number[]; target: number[]; cut?: CutShares | null }
 
 const kDigits = 3; // of a coordinate in a link: millimetres
 
@@ -27,7 +28,7 @@ export class SavedViews {
   private key = '';
   private views: Saved[] = [];
 
-  constructor(private pose: () => Pose, private go: (pose: Pose) => void, private told: (text: string) => void) {
+  constructor(private pose: () => Pose, private go: (pose: Pose) => void, private cut: CutBox, private told: (text: string) => void) {
     element('save-view').addEventListener('click', () => this.save());
     element('copy-link').addEventListener('click', () => void this.copy());
   }
@@ -44,7 +45,7 @@ export class SavedViews {
     const { eye, target } = this.pose();
     let number = this.views.length + 1;
     while (this.views.some((v) => v.name === `view ${number}`)) ++number;
-    this.views.push({ name: `view ${number}`, eye: numbers(eye), target: numbers(target) });
+    this.views.push({ name: `view ${number}`, eye: numbers(eye), target: numbers(target), cut: this.cut.get() });
     this.keep();
   }
 
@@ -56,14 +57,17 @@ export class SavedViews {
   private show(): void {
     element('views').replaceChildren(...this.views.map((view) => {
       const row = make('li'), open = make('button', 'class-name', view.name);
-      open.addEventListener('click', () => this.go({ eye: new Vec3(...(view.eye as [number, number, number])), target: new Vec3(...(view.target as [number, number, number])) }));
+      open.addEventListener('click', () => {
+        this.cut.set(view.cut ?? null);
+        this.go({ eye: new Vec3(...(view.eye as [number, number, number])), target: new Vec3(...(view.target as [number, number, number])) });
+      });
       row.append(open, iconButton(kIcons.bin, 'remove', 'forget', view.name, () => { this.views = this.views.filter((v) => v !== view); this.keep(); }));
       return row;
     }));
   }
 
   private async copy(): Promise<void> {
-    const link = `${location.href.replace(/#.*/, '')}#${poseText(this.pose())}`;
+    const parts = [poseText(this.pose()), cutText(this.cut.get())].filter(Boolean), link = `${location.href.replace(/#.*/, '')}#${parts.join('&')}`;
     history.replaceState(null, '', link);
     try { await navigator.clipboard.writeText(link); this.told('The link is copied. It opens this view.'); }
     catch { this.told('The address of the page is now a link to this view.'); }
