@@ -15,6 +15,7 @@
 #include "io/image_file.h"
 #include "io/json_text.h"
 #include "serve/http_client_for_tests.h"
+#include "support/page_run.h"
 #include "support/process.h"
 #include "support/small_scene.h"
 #include "support/started_process.h"
@@ -28,52 +29,8 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing_support::run_aligngs;
 
-constexpr int kPatience = 60;  // seconds for an answer that opens a run
-
-class PageRequests : public testing::Test {
- protected:
-  static fs::path root() { return fs::path(testing::TempDir()) / "page_requests"; }
-  static std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
-
-  static void SetUpTestSuite() {
-    fs::remove_all(root());
-    testing_support::write_small_scene(root() / "scene");
-    ASSERT_EQ(
-        run_aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q", root())
-            .status,
-        0);
-    ASSERT_EQ(run_aligngs("mesh " + quoted(root() / "trained") + " --set mesh.voxel=0.05 -q", root()).status, 0);
-  }
-  void SetUp() override {
-    run_ = root() / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(run_);
-    fs::copy(root() / "trained", run_, fs::copy_options::recursive);
-    PageServerOptions options;
-    options.server.run = run_;
-    server_ = std::make_unique<PageServer>(std::move(options));
-    const std::string page = test_http::get(server_->port(), "/");
-    const size_t at = page.find("aligngs_9000=") + 13;
-    token_ = page.substr(at, page.find(';', at) - at);
-  }
-  void TearDown() override { server_.reset(); }
-
-  std::string headers() const { return "Content-Type: application/json\r\nX-AlignGS-Token: " + token_ + "\r\n"; }
-  std::string post(const std::string& path, const json& body) const {
-    return test_http::post(server_->port(), path, headers(), json_line(body), kPatience);
-  }
-  json posted(const std::string& path, const json& body) const {
-    const std::string answer = post(path, body);
-    EXPECT_EQ(test_http::status(answer), 200) << answer;
-    return parse_json(test_http::body(answer));
-  }
-  json list() const {
-    return parse_json(test_http::body(test_http::get(server_->port(), "/api/edits", "localhost", kPatience)));
-  }
-
-  fs::path run_;
-  std::unique_ptr<PageServer> server_;
-  std::string token_;
-};
+using PageRequests = testing_support::PageRun;
+using testing_support::kPatience;
 
 TEST_F(PageRequests, AnEditInThePageIsTheEditOfTheCommandLine) {
   const fs::path other = root() / "by_command";
@@ -234,6 +191,9 @@ TEST_F(PageRequests, EveryEndpointIsClosedToOthers) {
                                                            {"/api/edits/undo", "{}"},
                                                            {"/api/edits/redo", "{}"},
                                                            {"/api/export", R"({"format":"glb"})"},
+                                                           {"/api/selections/save", R"({"name":"a"})"},
+                                                           {"/api/selections/rename", R"({"name":"a","to":"b"})"},
+                                                           {"/api/selections/remove", R"({"name":"a"})"},
                                                            {"/api/control", R"({"action":"stop"})"}};
   const RunLock lock(run_);  // so that a request that came through would leave a flag
   for (const auto& [path, body] : endpoints) {
@@ -257,6 +217,9 @@ TEST_F(PageRequests, EveryEndpointIsClosedToOthers) {
                                                          type + token + "Content-Length: 2\r\n\r\n{}")),
               403)
         << path << ": rebound name";
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + token + "Sec-Fetch-Site: cross-site\r\n", body)),
+              403)
+        << path << ": another site";
     EXPECT_EQ(test_http::status(test_http::get(port, path)), 404) << path << ": no GET changes anything";
     EXPECT_NE(test_http::status(test_http::post(port, path, type + token, std::string(100000, 'x'))), 200)
         << path << ": too large";

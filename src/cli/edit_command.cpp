@@ -37,6 +37,8 @@ struct EditOptions {
   double wait = EditSessionOptions().patience;  ///< seconds
   bool remove = false, extract = false, fill = false, with_contents = false, duplicate = false, fit = false;
   bool undo = false, list = false, dry_run = false, measure = false;
+  std::string remove_selection;
+  std::vector<std::string> rename_selection;  ///< old name, new name
 };
 
 void print(const CommandContext& context, const Json& json, const std::string& text) {
@@ -74,8 +76,8 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   return text;
 }
 
-void list_run(const CommandContext& context, const EditSession& session) {
-  Json edits = Json::array(), objects = Json::array();
+void list_run(const CommandContext& context, EditSession& session) {
+  Json edits = Json::array(), objects = Json::array(), selections = Json::array();
   std::string text = session.stack().empty() ? "no edits\n" : "edits, oldest first:\n";
   for (const EditOperation& edit : session.stack()) {
     edits.push_back(describe(edit));
@@ -90,7 +92,25 @@ void list_run(const CommandContext& context, const EditSession& session) {
                        {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
     text += "  " + name + ": " + std::to_string(object.gaussians) + " Gaussians\n";
   }
-  print(context, {{"edits", edits}, {"objects", objects}}, text);
+  const RoomSelections& drawn = session.selections();
+  if (!drawn.list.empty()) text += "selections by hand:\n";
+  for (const NamedSelection& s : drawn.list) {
+    selections.push_back({{"name", s.name}, {"gaussians", s.count()}, {"usable", drawn.is_usable(s)}});
+    text += "  " + s.name + ": " + std::to_string(s.count()) + " Gaussians" +
+            (drawn.is_usable(s) ? "" : " of another training") + "\n";
+  }
+  print(context, {{"edits", edits}, {"objects", objects}, {"selections", selections}}, text);
+}
+
+/// Gives a selection another name, or removes it.
+void change_selection(const CommandContext& context, EditSession& session, const EditOptions& options) {
+  if (!options.remove_selection.empty()) {
+    session.remove_selection(options.remove_selection);
+    return print(context, {{"removed", options.remove_selection}}, "removed: " + options.remove_selection + "\n");
+  }
+  const std::string &from = options.rename_selection[0], &to = options.rename_selection[1];
+  session.rename_selection(from, to);
+  print(context, {{"renamed", from}, {"to", to}}, "renamed: " + from + " to " + to + "\n");
 }
 
 /// Every object of a synthetic room.
@@ -257,9 +277,14 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   }
   const bool says = !options.say.empty();
   if (says) require_only_a_sentence(options);
-  const bool looks = options.undo || options.list || says;
-  if (options.undo + options.list + options.dry_run + options.measure > 1)
-    throw_usage("--undo, --list, --dry-run and --measure exclude each other");
+  const bool renames = !options.rename_selection.empty(), removes = !options.remove_selection.empty();
+  const bool looks = options.undo || options.list || says || renames || removes;
+  if (options.undo + options.list + options.dry_run + options.measure + renames + removes > 1) {
+    throw_usage("--undo, --list, --dry-run, --measure, --rename-selection and --remove-selection exclude each other");
+  }
+  if ((renames || removes) && (says || !options.select.empty() || !options.output.empty())) {
+    throw_usage("a selection is renamed or removed by itself", "leave out the edit and -o");
+  }
   if (!looks && !options.measure && options.select.empty())
     throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
   const bool edits = !looks && !options.measure;
@@ -269,7 +294,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     require_new_folder(options.output, {options.run, options.scene});
   const std::string picture_file = options.picture.empty() && options.dry_run ? "edit_preview.png" : options.picture;
   if (!picture_file.empty()) {
-    if (options.undo || options.list || options.measure || !options.output.empty())
+    if (options.undo || options.list || options.measure || renames || removes || !options.output.empty())
       throw_usage("--picture shows one edit before and after", "use it with an edit or with --dry-run");
     require_file_place(picture_file);
     require_extension(picture_file, "png");
@@ -281,6 +306,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   if (number) return undo(context, options, *number);
   EditSession session(options.run, {options.scene, context.global.threads, options.wait});
   if (options.list) return list_run(context, session);
+  if (renames || removes) return change_selection(context, session, options);
   if (options.measure) return measure(context, session, options);
   if (says) edit = session.understand(options.say).edit;
   const LabelSet& labels = session.room().labels;
@@ -344,7 +370,7 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
       ->group("Edit");
   command
       ->add_option("--select", options->select,
-                   "objects by name, e.g. \"pillow, cushion#2\" or \"everything but wall, floor\"")
+                   "objects by name, e.g. \"pillow, cushion#2\", or a selection that was drawn on the page")
       ->group("Selection");
   command->add_option("--threshold", options->threshold, "argmax, auto, or a probability (0 to 1)")
       ->capture_default_str()
@@ -393,7 +419,15 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
       ->check(number_from_zero())
       ->capture_default_str()
       ->group("Stack and output");
-  command->add_flag("--list", options->list, "list the edits and the objects of the room")->group("Selection");
+  command->add_flag("--list", options->list, "list the edits, the objects of the room and the selections by hand")
+      ->group("Selection");
+  command
+      ->add_option("--rename-selection", options->rename_selection,
+                   "give a selection that was drawn on the page another name: OLD NEW")
+      ->expected(2)
+      ->group("Selection");
+  command->add_option("--remove-selection", options->remove_selection, "forget a selection that was drawn on the page")
+      ->group("Selection");
   command
       ->add_option("--truth", options->truth,
                    "compare a run made with -o with a folder SCENE/truth/without/NAME of `synth --without`")

@@ -21,6 +21,9 @@ PageServer::PageServer(PageServerOptions options) {
     edits_ = std::make_unique<EditService>(EditServiceOptions{
         run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); }});
     edits_->serve(options.server);
+    selections_ =
+        std::make_unique<SelectionService>(*edits_, [this](const std::string& path) { return scenes_->shown(path); });
+    selections_->serve(options.server);
     renders_ = std::make_unique<ViewRenders>(run, OpenRunOptions{options.scene, options.threads});
     renders_->serve(options.server);
     serve_notes(run, options.server);

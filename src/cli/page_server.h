@@ -12,6 +12,7 @@
 #include "cli/view_renders.h"
 #include "serve/edit_service.h"
 #include "serve/scene_service.h"
+#include "serve/selection_service.h"
 #include "serve/view_server.h"
 
 namespace aligngs {
@@ -44,6 +45,7 @@ class PageServer {
  private:
   std::unique_ptr<SceneService> scenes_;
   std::unique_ptr<EditService> edits_;
+  std::unique_ptr<SelectionService> selections_;
   std::unique_ptr<ViewRenders> renders_;
   std::unique_ptr<ViewServer> server_;
   std::atomic<bool> stop_{false}, stop_asked_{false};

@@ -180,13 +180,15 @@ Vocabulary vocabulary_of(const EditableRoom& room) {
   for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels))
     present.push_back(object.label);
   vocabulary.prefer(present);
+  for (const NamedSelection& s : room.selections ? room.selections->list : std::vector<NamedSelection>())
+    vocabulary.add_selection(s.name);
   return vocabulary;
 }
 
 SelectionQuery read_selection(const EditableRoom& room, const std::string& text) {
-  return with_numbers(parse_selection(text, vocabulary_of(room)),
-                      list_instances(room.gaussians.model, room.gaussians.labels), {room.up, mean_place(room.cameras)},
-                      room.labels);
+  const SelectionQuery query = with_rows(parse_selection(text, vocabulary_of(room)), room);
+  return with_numbers(query, list_instances(room.gaussians.model, room.gaussians.labels),
+                      {room.up, mean_place(room.cameras)}, room.labels);
 }
 
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool) {
@@ -205,7 +207,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   report.selected = selection.count;
   report.threshold = selection.threshold;
   report.asked_everything = query.everything;
-  for (const SelectionTerm& term : query.include) report.asked.push_back(static_cast<uint16_t>(term.label));
+  report.asked = classes_named(query.include, room);
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
   if (leaves_hole(edit.kind) && selection.count == report.before) {

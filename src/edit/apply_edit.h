@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/thread_pool.h"
 #include "edit/edit_operation.h"
+#include "edit/room_selections.h"
 #include "edit/row_id.h"
 #include "edit/selection.h"
 #include "scene/camera.h"
@@ -28,8 +30,9 @@ struct EditableRoom {
   TriangleMesh mesh;                    ///< empty when the run has none
   MeshRows mesh_rows;                   ///< names of its rows
   LabelSet labels;
-  std::optional<Vec3d> up;      ///< unit, world; when the scene knows it
-  std::vector<Camera> cameras;  ///< of the training photos, world; empty where they are not known
+  std::optional<Vec3d> up;                           ///< unit, world; when the scene knows it
+  std::vector<Camera> cameras;                       ///< of the training photos, world; empty where they are not known
+  std::shared_ptr<const RoomSelections> selections;  ///< drawn by hand; null: none
 };
 
 struct EditReport {
@@ -57,8 +60,8 @@ struct EditReport {
 /// that are unknown, Error{kBadInput} when nothing is selected or nothing would be left; the room is then unchanged.
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool);
 
-/// Reads the text of a selection. "The largest chair" has its number then, among the objects that the room has now.
-/// Errors as parse_selection's and with_numbers' (object_choice.h).
+/// Reads the text of a selection. "The largest chair" has its number then, among the objects that the room has now. A
+/// selection by hand has its rows. Errors as parse_selection's, with_numbers' (object_choice.h) and with_rows'.
 SelectionQuery read_selection(const EditableRoom& room, const std::string& text);
 
 /// The words that people may use in this room: those of its label set, with suggestions of what it holds.

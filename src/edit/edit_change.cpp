@@ -265,6 +265,13 @@ bool apply_change(EditableRoom& room, const EditChange& change) {
   return true;
 }
 
+uint64_t gaussians_digest(const GaussianModel& model) {
+  Digest digest;
+  digest.add(model.positions);
+  digest.add(model.opacity_logits);
+  return digest.value();
+}
+
 uint64_t room_digest(const EditableRoom& room) {
   Digest digest;
   digest.add(room.gaussians.model.positions);

@@ -58,6 +58,9 @@ EditChange difference(const EditableRoom& before, const EditableRoom& after, con
 /// False, and an unchanged room, when rows that the change speaks of are not there.
 bool apply_change(EditableRoom& room, const EditChange& change);
 
+/// Digest of Gaussians. It tells whether a named selection is of them.
+uint64_t gaussians_digest(const GaussianModel& model);
+
 /// Digest of a trained room. It tells whether a change was made on it.
 uint64_t room_digest(const EditableRoom& room);
 

@@ -36,6 +36,7 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
   scene_ = std::move(trained.scene);
   original_ = std::move(trained.room);
   base_ = room_digest(original_);
+  follow_selections();
   stack_ = read_edits(run / "edits.json");
   listed_ = edits_text(stack_);
   edited_ = rebuilt(stack_, changes_);
@@ -143,6 +144,7 @@ std::optional<EditableRoom> EditSession::rebuilt(std::vector<EditOperation>& sta
 }
 
 void EditSession::follow_file() {
+  follow_selections();
   std::vector<EditOperation> now = read_edits(run_ / "edits.json");
   std::string listed = edits_text(now);
   if (listed == listed_) return;

@@ -60,6 +60,13 @@ class EditSession {
   /// after it stay. Those that follow from it are carried out again (edit_independence.h). Error{kUsage} when there is
   /// none, Error{kBadInput} when a later edit needs it; nothing changes then.
   EditOperation undo(size_t number = 0);
+  /// Selections that were drawn by hand, as RUN/selections.json has them now.
+  const RoomSelections& selections();
+  /// Keeps a selection under a name; `rows` has one flag per Gaussian of original(). Errors as add_selection's
+  /// (named_selection_log.h).
+  void save_selection(const std::string& name, const std::vector<uint8_t>& rows);
+  void rename_selection(const std::string& name, const std::string& to);
+  void remove_selection(const std::string& name);
   /// Reads a sentence (edit_text.h). Error{kUsage} with the three nearest readings for what this room does not
   /// understand.
   EditRequest understand(std::string_view text) const;
@@ -80,6 +87,7 @@ class EditSession {
   std::shared_ptr<const InsertedObject> stored_object(const EditOperation& edit) const;
   EditReport carry_out(EditableRoom& room, const EditOperation& edit);
   void follow_file();  ///< takes over edits that were made since the stack was read; under the lock
+  void follow_selections();
   /// Writes changes that no file has, and the list.
   void commit(std::vector<EditOperation>& stack, const Changes& changes);
   /// The last checkpoint. It is larger than the room and is not kept.
@@ -100,7 +108,8 @@ class EditSession {
   std::vector<EditOperation> stack_;
   std::string listed_;  ///< content of edits.json that stack_ was read from or written to
   Changes changes_;
-  SoftLabels soft_;  ///< of the rows of original_, when a threshold needed them
+  std::string listed_selections_;  ///< content of selections.json that was read
+  SoftLabels soft_;                ///< of the rows of original_, when a threshold needed them
 };
 
 /// Gaussians, labels and mesh of a room moved so that the middle of their box is the origin; for a single object.

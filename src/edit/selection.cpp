@@ -61,7 +61,9 @@ Criterion criterion_of(const LabelledGaussians& room, int label, const std::vect
   if (rule.kind ==
       ThresholdRule::Kind::kValue) {  // the named classes together: a pillow that may be a cushion is one of the two
     classes.clear();
-    for (const SelectionTerm& term : terms) classes.push_back(term.label);
+    for (const SelectionTerm& term : terms) {
+      if (term.named.empty()) classes.push_back(term.label);
+    }
     std::sort(classes.begin(), classes.end());
     classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
   }
@@ -89,6 +91,7 @@ Criterion criterion_of(const LabelledGaussians& room, int label, const std::vect
 void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms, const ThresholdRule& rule,
           const SelectionOptions& options, uint8_t value, GaussianSelection& selection) {
   for (const SelectionTerm& term : terms) {
+    if (!term.named.empty()) continue;
     const Criterion criterion = criterion_of(room, term.label, terms, rule);
     if (rule.kind != ThresholdRule::Kind::kArgmax && selection.threshold == 0)
       selection.threshold = criterion.threshold;
@@ -101,6 +104,29 @@ void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms
       if (wanted) selection.mask[i] = value;
     }
   }
+}
+
+bool has_class(const std::vector<SelectionTerm>& terms) {
+  return std::any_of(terms.begin(), terms.end(), [](const SelectionTerm& t) { return t.named.empty(); });
+}
+
+void mark_drawn(const std::vector<SelectionTerm>& terms, uint8_t value, std::vector<uint8_t>& mask) {
+  for (const SelectionTerm& term : terms) {
+    for (size_t i = 0; term.rows && i < mask.size(); ++i) {
+      if ((*term.rows)[i]) mask[i] = value;
+    }
+  }
+}
+
+/// Adds what was drawn by hand. Nothing is cleaned there: a person drew its edge.
+void add_drawn(const LabelledGaussians& room, const SelectionQuery& query, const ThresholdRule& rule,
+               const SelectionOptions& options, GaussianSelection& selection) {
+  GaussianSelection drawn;
+  drawn.mask.assign(selection.mask.size(), 0);
+  mark_drawn(query.include, 1, drawn.mask);
+  mark(room, query.exclude, rule, options, 0, drawn);
+  for (size_t i = 0; i < drawn.mask.size(); ++i) selection.mask[i] |= drawn.mask[i];
+  mark_drawn(query.exclude, 0, selection.mask);
 }
 
 /// Rows in the box around the marked ones, which is `reach` wider. Others do not join a selection: what is that far
@@ -200,7 +226,7 @@ double otsu_threshold(const std::vector<float>& values) {
 GaussianSelection select_gaussians(const LabelledGaussians& room, const SelectionQuery& query,
                                    const ThresholdRule& rule, const LabelSet& labels, const SelectionOptions& options,
                                    ThreadPool& pool) {
-  if (!room.has_labels() && !(query.include.empty() && query.exclude.empty())) {
+  if (!room.has_labels() && (has_class(query.include) || has_class(query.exclude))) {
     throw_bad_input({}, "--select", "this run was trained without semantics, so that no object has a name",
                     "select everything, or train a scene that has segmentation_logits/");
   }
@@ -211,6 +237,7 @@ GaussianSelection select_gaussians(const LabelledGaussians& room, const Selectio
   if (std::find(selection.mask.begin(), selection.mask.end(), uint8_t(1)) != selection.mask.end()) {
     clean(room, options, pool, selection.mask);
   }
+  add_drawn(room, query, rule, options, selection);
   std::map<std::pair<int, int>, size_t> counts;
   for (size_t i = 0; i < selection.mask.size(); ++i) {
     if (!selection.mask[i]) continue;

@@ -31,6 +31,12 @@ std::string_view take_spoken_number(std::string_view& item, const Vocabulary& vo
 void parse_term(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms) {
   SelectionTerm term;
   const std::string whole(item);
+  if (const auto named = vocabulary.find_selection(item)) {
+    term.label = -1;
+    term.named = *named;
+    terms.push_back(term);
+    return;
+  }
   if (!vocabulary.find(item)) item = without_quantifier(item);
   if (!vocabulary.find(item)) term.choice = take_choice(item);
   const size_t hash = item.find('#');
@@ -41,7 +47,7 @@ void parse_term(std::string_view item, const Vocabulary& vocabulary, std::vector
   } else if (!vocabulary.find(item)) {
     numbers = take_spoken_number(item, vocabulary);
   }
-  if (item.empty() && !terms.empty()) {
+  if (item.empty() && !terms.empty() && terms.back().named.empty()) {
     term.label = terms.back().label;
   } else {
     term.label = vocabulary.resolve(item);
@@ -92,6 +98,7 @@ void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector
 }
 
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
+  if (!term.named.empty()) return term.named;
   const std::string& name = labels.classes.at(term.label).name;
   if (term.choice != ObjectChoice::kNone) return choice_word(term.choice) + " " + name;
   return term.instance ? name + "#" + std::to_string(term.instance) : name;
@@ -116,7 +123,7 @@ std::string terms_text(const std::vector<SelectionTerm>& terms, const LabelSet& 
 }
 
 void sort_terms(std::vector<SelectionTerm>& terms) {
-  const auto key = [](const SelectionTerm& t) { return std::tuple(t.label, t.instance, t.choice); };
+  const auto key = [](const SelectionTerm& t) { return std::tie(t.label, t.instance, t.choice, t.named); };
   std::sort(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
   terms.erase(std::unique(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
               terms.end());

@@ -1,6 +1,8 @@
 // The text that says which objects are meant: "pillow, cushion#2", "everything but wall, floor".
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,11 +12,14 @@
 
 namespace aligngs {
 
-/// One class, or one object of it.
+/// One class, one object of it, or a selection that was drawn by hand.
 struct SelectionTerm {
-  int label = 0;     ///< class number
+  int label = 0;     ///< class number; -1 with `named`
   int instance = 0;  ///< 1, 2, ... as in scene.labels.ply, largest object first; 0 = all objects of the class
   ObjectChoice choice = ObjectChoice::kNone;  ///< instead of a number, until object_choice.h finds the number
+  std::string named{};                        ///< name of a selection (named_selection.h)
+  /// of `named`: one flag per Gaussian of the room, once room_selections.h has found them
+  std::shared_ptr<const std::vector<uint8_t>> rows{};
 };
 
 struct SelectionQuery {
@@ -26,7 +31,8 @@ struct SelectionQuery {
 /// Grammar: items parted by commas (or "and"). An item is a name, optionally with "#" and object numbers ("bed#2",
 /// "bed#1-3", "bed 2"). "All", "every" or "the" may precede it. "Largest", "smallest", "left", "right", "highest" or
 /// "lowest" before it choose one object. "#2" alone is of the name before it. "everything" or "all" is the
-/// whole room; after "but", "except", "without" or "excluding" are the exclusions.
+/// whole room; after "but", "except", "without" or "excluding" are the exclusions. An item that is the name of a
+/// selection (Vocabulary::add_selection) means that selection.
 /// Error{kUsage} for empty text, unknown names (with suggestions), and bad object numbers.
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary);
 

@@ -83,6 +83,8 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
                                const SelectionTruthOptions& options) {
   for (const auto* terms : {&query.include, &query.exclude}) {
     for (const SelectionTerm& term : *terms) {
+      if (!term.named.empty())
+        throw_usage("the true mesh knows no selection that was drawn by hand", "measure a class");
       if (term.instance)
         throw_usage("the true mesh knows classes, not single objects", "measure the class without '#'");
     }

@@ -8,6 +8,7 @@
 #include "core/edit_distance.h"
 #include "core/error.h"
 #include "edit/class_synonyms.h"
+#include "edit/selection_words.h"
 
 namespace aligngs {
 namespace {
@@ -117,6 +118,12 @@ std::vector<std::string> Vocabulary::suggestions(std::string_view word, size_t m
     // Farther words only where the room holds the thing: they are the nearest of what can be meant.
     if (distance <= limit || preferred) near.push_back({distance, !preferred, label, known});
   }
+  int number = -1;
+  for (const auto& [folded_selection, name] : selections_) {
+    const size_t distance = edit_distance(folded, folded_selection);
+    if (distance <= limit) near.push_back({distance, false, number, name});
+    --number;
+  }
   std::stable_sort(near.begin(), near.end(), [&](const Near& a, const Near& b) {
     const bool a_far = a.distance > limit, b_far = b.distance > limit;
     return std::tie(a_far, a.distance, a.absent) < std::tie(b_far, b.distance, b.absent);
@@ -127,6 +134,19 @@ std::vector<std::string> Vocabulary::suggestions(std::string_view word, size_t m
     if (said.insert(near[i].label).second) out.push_back(near[i].word);
   }
   return out;
+}
+
+void Vocabulary::add_selection(const std::string& name) { selections_.emplace(folded_name(name), name); }
+
+std::optional<std::string> Vocabulary::find_selection(std::string_view words) const {
+  const std::string_view bare = without_quantifier(words);
+  for (const std::string& folded : {folded_name(words), folded_name(bare)}) {
+    for (const std::string_view article : {"", "the ", "a ", "an "}) {
+      if (folded.compare(0, article.size(), article) != 0) continue;
+      if (const auto it = selections_.find(folded.substr(article.size())); it != selections_.end()) return it->second;
+    }
+  }
+  return std::nullopt;
 }
 
 int Vocabulary::resolve(std::string_view word) const {

@@ -32,13 +32,19 @@ class Vocabulary {
   std::vector<std::string> suggestions(std::string_view word, size_t most = 3) const;
   const LabelSet& labels() const { return labels_; }
 
+  /// A selection that was drawn by hand (named_selection.h) has this name. Names go before classes.
+  void add_selection(const std::string& name);
+  /// Its name as it was added, or nothing. Quantifiers and articles before it do not matter.
+  std::optional<std::string> find_selection(std::string_view words) const;
+
  private:
   void add(const std::string& word, int label);
 
   LabelSet labels_;
-  std::map<std::string, int> exact_;     ///< folded names and synonyms
-  std::map<std::string, int> singular_;  ///< their singular forms
-  std::set<int> preferred_;              ///< classes
+  std::map<std::string, int> exact_;               ///< folded names and synonyms
+  std::map<std::string, int> singular_;            ///< their singular forms
+  std::set<int> preferred_;                        ///< classes
+  std::map<std::string, std::string> selections_;  ///< names by their folded form
 };
 
 }  // namespace aligngs

@@ -15,6 +15,7 @@
 #include "serve/export_file.h"
 #include "serve/file_version.h"
 #include "serve/plain_run.h"
+#include "serve/request_body.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -23,22 +24,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 namespace {
-
-constexpr size_t kLongestText = 4096;  // bytes of one field
-
-/// A request with exactly the named fields, all text.
-Json request_of(const std::string& body, std::initializer_list<const char*> fields) {
-  const Json json = parse_json(body);
-  if (!json.is_object()) throw_usage("the request is no JSON object");
-  for (const char* name : fields) {
-    const auto it = json.find(name);
-    if (it == json.end() || !it->is_string()) throw_usage(std::string("the request has no text \"") + name + "\"");
-    if (it->get_ref<const std::string&>().size() > kLongestText)
-      throw_usage(std::string("\"") + name + "\" is too long");
-  }
-  if (json.size() != fields.size()) throw_usage("the request has fields that nobody knows");
-  return json;
-}
 
 /// Options of an export that leaves parts out, as "mesh,before".
 RunExportOptions without(const std::string& parts) {
@@ -99,6 +84,7 @@ EditSession& EditService::session() {
     give_back_free_memory();
     opened_ = files;
   }
+  session_->selections();  // those that another process changed are known before a sentence is read
   return *session_;
 }
 
@@ -122,7 +108,7 @@ Json EditService::stack() {
 std::string EditService::list() { return json_line(stack()); }
 
 std::string EditService::preview(const std::string& request) {
-  const std::string text = request_of(request, {"edit"})["edit"].get<std::string>();
+  const std::string text = text_fields(request, {"edit"})["edit"].get<std::string>();
   EditSession& s = session();
   const EditRequest asked = s.understand(text);
   if (asked.undo) throw_usage("there is no preview of an undo", "apply it; \"again\" brings the edit back");
@@ -145,7 +131,7 @@ std::string EditService::listed(const char* what, const Json& value) {
 }
 
 std::string EditService::push(const std::string& request) {
-  const std::string text = request_of(request, {"edit"})["edit"].get<std::string>();
+  const std::string text = text_fields(request, {"edit"})["edit"].get<std::string>();
   EditSession& s = session();
   const EditRequest asked = s.understand(text);
   if (asked.undo) return undone(*asked.undo);
@@ -160,12 +146,12 @@ std::string EditService::undone(size_t number) {
 }
 
 std::string EditService::undo(const std::string& request) {
-  request_of(request, {});
+  text_fields(request, {});
   return undone(0);
 }
 
 std::string EditService::redo(const std::string& request) {
-  request_of(request, {});
+  text_fields(request, {});
   EditSession& s = session();  // forgets what was undone when somebody else edited since
   if (redo_.empty())
     throw_usage("there is no edit to do again", "only what undo has just taken back can be done again");
@@ -176,7 +162,7 @@ std::string EditService::redo(const std::string& request) {
 
 std::string EditService::export_file(const std::string& request) {
   const bool chosen = parse_json(request).contains("without");
-  const Json asked = chosen ? request_of(request, {"format", "without"}) : request_of(request, {"format"});
+  const Json asked = chosen ? text_fields(request, {"format", "without"}) : text_fields(request, {"format"});
   const std::string format = asked["format"].get<std::string>();
   require_export_format(format, run_export_formats());
   const RunExport made =
@@ -185,7 +171,8 @@ std::string EditService::export_file(const std::string& request) {
 }
 
 std::string EditService::estimate(const std::string& request) {
-  if (request_of(request, {"format"})["format"] != "html") throw_usage("only html tells its size before it is written");
+  if (text_fields(request, {"format"})["format"] != "html")
+    throw_usage("only html tells its size before it is written");
   const HtmlSize size = estimate_html_export(session());
   return json_line(Json{{"page", size.page},
                         {"splats", size.splats},
@@ -237,7 +224,7 @@ void EditService::serve(ViewServerOptions& options) {
 void serve_control(const fs::path& run, ViewServerOptions& options, std::function<void()> stop_asked) {
   options.post["/api/control"] = [run, stop_asked](const std::string& body) -> std::string {
     using Flag = RunControl::Flag;
-    const std::string action = request_of(body, {"action"})["action"].get<std::string>();
+    const std::string action = text_fields(body, {"action"})["action"].get<std::string>();
     require_plain_run(run);
     const RunControl control(run);
     if (!control.active()) throw_usage("nothing is being made here", "start it again: aligngs run ... --resume");

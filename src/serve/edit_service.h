@@ -54,12 +54,14 @@ class EditService {
   /// The edited mesh as PLY; nothing when the run has none.
   std::optional<GetAnswer> mesh();
 
+  /// The open run, as its files are now.
+  EditSession& session();
+
   /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, POST /api/edits/{preview,push,undo,redo},
   /// /api/export and /api/export/size. The service must outlive the server.
   void serve(ViewServerOptions& options);
 
  private:
-  EditSession& session();
   /// Runs one request. Memory that it freed goes back to the system, as the session stays for hours.
   std::string lean(std::string (EditService::*call)(const std::string&), const std::string& request);
   std::string undone(size_t number);

@@ -33,6 +33,12 @@ std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, 
     else if (opacity_of(room.gaussians.model, i) >= kInvisibleOpacity)
       added.push_back(i);
   }
+  std::vector<uint32_t> place_of(trained.origins.size(), kGone), sources;
+  for (uint32_t k = 0; k < shown.order.size(); ++k) place_of[shown.order[k]] = k;
+  for (const uint32_t i : added) {
+    const uint32_t row = room.origins[i].row;
+    sources.push_back(now[row] == kGone ? place_of[row] : kGone);
+  }
   std::string stays((shown.order.size() + 7) / 8, '\0');
   std::vector<uint32_t> places, changed;
   for (uint32_t k = 0; k < shown.order.size(); ++k) {
@@ -59,7 +65,9 @@ std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, 
                                {"added_columns", more.description()}};
   std::string out = json_line(head) + "\n" + stays;
   out.append(reinterpret_cast<const char*>(places.data()), places.size() * sizeof(uint32_t));
-  return gzip_compressed(out + changes.data() + more.data(), kChangeGzipLevel);
+  out += changes.data() + more.data();
+  out.append(reinterpret_cast<const char*>(sources.data()), sources.size() * sizeof(uint32_t));
+  return gzip_compressed(out, kChangeGzipLevel);
 }
 
 }  // namespace aligngs

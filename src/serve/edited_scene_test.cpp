@@ -36,6 +36,7 @@ class EditedScene : public testing::Test {
     EditOperation edit;
     edit.kind = kind;
     edit.select = select;
+    edit.motion.shift.x = kind == EditKind::kMove ? 0.2 : 0;
     EditableRoom room = trained_, out = trained_;
     const EditReport report = apply_edit(room, edit, pool_);
     EXPECT_TRUE(apply_change(out, difference(trained_, room, edit, report, 1, 0)));
@@ -45,6 +46,12 @@ class EditedScene : public testing::Test {
     const std::string text = gzip_expanded(edited_scene(trained_, room, shown_), "part", 1 << 28);
     const size_t line = text.find('\n');
     return {parse_json(text.substr(0, line)), text.substr(line + 1)};
+  }
+  std::vector<uint32_t> sources(const Part& p) const {
+    std::vector<uint32_t> out(p.head["added"].get<size_t>());
+    const size_t bytes = out.size() * sizeof(uint32_t);
+    if (bytes > 0) std::memcpy(out.data(), p.bytes.data() + p.bytes.size() - bytes, bytes);
+    return out;
   }
   ThreadPool pool_{2};
   EditableRoom trained_;
@@ -90,6 +97,21 @@ TEST_F(EditedScene, CopiesAreNewSplats) {
   const Part p = part(room);
   EXPECT_EQ(p.head["added"].get<size_t>(), room.origins.size() - trained_.origins.size());
   EXPECT_EQ(p.staying(), trained_.origins.size());
+  for (const uint32_t source : sources(p)) EXPECT_EQ(source, 0xffffffffu);
+}
+
+TEST_F(EditedScene, MovedSplatsTellWhereTheyWere) {
+  trained_.cameras.emplace_back();
+  trained_.cameras.back().world_to_camera.translation = {0, 0.5, 2.5};
+  const EditableRoom room = after(EditKind::kMove, "box");
+  size_t moved = 0, of_box = 0;  // the edge of the box goes along, whatever its class is
+  for (const uint32_t source : sources(part(room))) {
+    if (source == 0xffffffffu) continue;
+    of_box += trained_.gaussians.labels.label[shown_.order.at(source)] == small_room::kBox;
+    ++moved;
+  }
+  EXPECT_GT(4 * of_box, 3 * moved);
+  EXPECT_GT(moved, 50u);
 }
 
 }  // namespace

@@ -36,6 +36,22 @@ std::array<double, 3> place_of(const Json& entry, const char* name, const std::s
   return out;
 }
 
+/// Nothing where the view shows the whole room.
+std::optional<std::array<double, 6>> cut_of(const Json& entry, const std::string& field, const fs::path& file) {
+  const auto it = entry.find("cut");
+  if (it == entry.end() || it->is_null()) return std::nullopt;
+  std::array<double, 6> out{};
+  bool whole = it->is_array() && it->size() == out.size();
+  for (size_t k = 0; whole && k < out.size(); ++k) {
+    whole = (*it)[k].is_number();
+    if (whole) out[k] = (*it)[k].get<double>();
+    whole = whole && out[k] >= 0 && out[k] <= 1 && (k % 2 == 0 || out[k - 1] < out[k]);
+  }
+  if (!whole)
+    throw_bad_input(file, field + ".cut", "a cut is not six shares that rise in pairs, from 0 to 1", kNotesRemedy);
+  return out;
+}
+
 const Json& list_of(const Json& notes, const char* name, const fs::path& file) {
   static const Json kNone = Json::array();
   const auto it = notes.find(name);
@@ -63,7 +79,7 @@ PageNotes read_page_notes(const std::string& text, const fs::path& name_for_erro
       throw_bad_input(name_for_errors, field + ".name", "a name has 1 to 200 bytes", kNotesRemedy);
     }
     notes.views.push_back({name->get<std::string>(), place_of(entry, "eye", field, name_for_errors),
-                           place_of(entry, "target", field, name_for_errors)});
+                           place_of(entry, "target", field, name_for_errors), cut_of(entry, field, name_for_errors)});
   }
   for (const Json& entry : list_of(json, "measurements", name_for_errors)) {
     const std::string field = "measurements[" + std::to_string(notes.measurements.size()) + "]";
@@ -75,7 +91,10 @@ PageNotes read_page_notes(const std::string& text, const fs::path& name_for_erro
 
 Json page_notes_json(const PageNotes& notes) {
   Json views = Json::array(), measurements = Json::array();
-  for (const SavedView& v : notes.views) views.push_back({{"name", v.name}, {"eye", v.eye}, {"target", v.target}});
+  for (const SavedView& v : notes.views) {
+    views.push_back({{"name", v.name}, {"eye", v.eye}, {"target", v.target}});
+    if (v.cut) views.back()["cut"] = *v.cut;
+  }
   for (const SavedMeasurement& m : notes.measurements) measurements.push_back({{"from", m.from}, {"to", m.to}});
   return {{"format", kNotesFormat}, {"version", kNotesVersion}, {"views", views}, {"measurements", measurements}};
 }

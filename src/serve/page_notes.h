@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace aligngs {
 struct SavedView {
   std::string name;  ///< 1 to 200 bytes
   std::array<double, 3> eye{}, target{};
+  /// shares of the room's sides that the view shows: from and to across, up and along, 0 to 1
+  std::optional<std::array<double, 6>> cut;
 };
 
 /// A distance between two places of the scene.
@@ -27,9 +30,9 @@ struct PageNotes {
   std::vector<SavedMeasurement> measurements;  ///< at most 200
 };
 
-/// {"format": "aligngs page", "version": 1, "views": [{"name", "eye", "target"}], "measurements": [{"from", "to"}]}.
-/// Error{kBadInput} that names the field: another format, names without text, or places that are no three finite
-/// numbers up to a million.
+/// {"format": "aligngs page", "version": 1, "views": [{"name", "eye", "target", "cut"}], "measurements": [{"from", "to"}]}.
+/// "cut" may be absent. Error{kBadInput} that names the field: another format, names without text, places that are no
+/// three finite numbers up to a million, or cuts that are no six shares.
 PageNotes read_page_notes(const std::string& text, const std::filesystem::path& name_for_errors);
 nlohmann::json page_notes_json(const PageNotes& notes);
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
+#include "io/json_text.h"
+
 namespace aligngs {
 
 int json_depth(std::string_view text) {
@@ -30,6 +33,18 @@ std::optional<std::string> json_fault(std::string_view body, int deepest) {
   if (json_depth(body) > deepest) return "the JSON is nested deeper than " + std::to_string(deepest) + " levels";
   if (!nlohmann::json::accept(body)) return "the body is not JSON";
   return {};
+}
+
+nlohmann::json text_fields(const std::string& body, std::initializer_list<const char*> fields, size_t longest) {
+  nlohmann::json json = parse_json(body);
+  if (!json.is_object()) throw_usage("the request is no JSON object");
+  for (const char* name : fields) {
+    const auto it = json.find(name);
+    if (it == json.end() || !it->is_string()) throw_usage(std::string("the request has no text \"") + name + "\"");
+    if (it->get_ref<const std::string&>().size() > longest) throw_usage(std::string("\"") + name + "\" is too long");
+  }
+  if (json.size() != fields.size()) throw_usage("the request has fields that nobody knows");
+  return json;
 }
 
 }  // namespace aligngs

@@ -1,6 +1,8 @@
 // The JSON body of a request, looked at before anything reads it.
 #pragma once
 
+#include <initializer_list>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,5 +19,8 @@ int json_depth(std::string_view text);
 
 /// Why a body is refused, in words for the answer; nothing when it is good. Reading deeper JSON would use up the stack.
 std::optional<std::string> json_fault(std::string_view body, int deepest = kDeepestRequest);
+
+/// A request with exactly the named fields, all of them texts of at most `longest` bytes. Error{kUsage} for others.
+nlohmann::json text_fields(const std::string& body, std::initializer_list<const char*> fields, size_t longest = 4096);
 
 }  // namespace aligngs

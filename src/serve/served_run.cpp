@@ -174,7 +174,7 @@ std::string ServedRun::state() const {
                 {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
                 {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
                 {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()},
-                {"notes", nullptr}};
+                {"notes", nullptr},   {"selections", nullptr}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -208,6 +208,7 @@ std::string ServedRun::state() const {
     state["edited"] = true;
     state["edits"] = file_version(root_ / "edits.json");
   }
+  state["selections"] = has_file(root_, "selections.json") ? Json(file_version(root_ / "selections.json")) : Json();
   state["version"] =
       file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
@@ -244,7 +245,7 @@ std::string ServedRun::signature() const {
   if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
   for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json",
-                           "mesh/mesh.ply", "metrics.json", "report.html", "page.json"}) {
+                           "selections.json", "mesh/mesh.ply", "metrics.json", "report.html", "page.json"}) {
     text += "/" + file_version(root_ / name);
   }
   return text;

@@ -46,6 +46,10 @@ void make_seeds(const std::filesystem::path& out) {
     {"operation": "recolor", "select": "sofa", "threshold": "0.25", "color": "#add8e6"}]})");
   seed("fuzz_selection", "list", "pillow, Cushions#2 and the couch");
   seed("fuzz_selection", "exclusion", "everything but wall, floor");
+  seed(
+      "fuzz_selections", "two",
+      R"({"schema": 1, "selections": [{"name": "my corner", "scene": "0123456789abcdef", "gaussians": 300, "rows": "0,12-41,57"},
+    {"name": "seat", "scene": "0123456789abcdef", "gaussians": 300, "rows": "299"}]})");
   seed("fuzz_room_list", "table",
        "# room\nkitchen\tphotos/kitchen\t--method colmap\ntrial\tdemo\t-n 50 --config 'a b.toml'\n");
   seed("fuzz_room_list", "tables",

@@ -1,7 +1,7 @@
 // The classes of the scene: how many splats each has, shown or hidden, alone, or in another colour.
 import { type RunState } from './api';
 import { element, iconButton, kIcons, make } from './dom';
-import { type ClassStyle } from './viewer';
+import { type ClassStyle } from './drawn_splats';
 
 const kNoLabel = 65535;
 /// Walls, ceiling, and what hangs on walls: cut away where it hides the room from outside.

@@ -7,8 +7,9 @@ interface Column {
   delta?: boolean;                // numbers are differences from the one before, modulo 2^16
 }
 export interface Head { total: number; shown: number; columns: Column[] }
-/// Values by name (x, f_dc_0, opacity, label, ...), one per splat.
-export interface Columns { count: number; values: Map<string, Float32Array> }
+/// Values by name (x, f_dc_0, opacity, label, ...), one per splat. `places` of an edited scene: the number that a splat has
+/// in the trained scene, -1 for new ones. `total`: splats of the trained scene, where these are not all of them.
+export interface Columns { count: number; values: Map<string, Float32Array>; places?: Int32Array; total?: number }
 
 const kBytes = { f32: 4, i16: 2, u16: 2, i8: 1, u8: 1 };
 
@@ -41,5 +42,5 @@ export function readColumns(head: Head, bytes: Uint8Array, into: Columns = { cou
 
 /// The first `count` splats alone.
 export function firstOf(columns: Columns, count: number): Columns {
-  return { count, values: new Map([...columns.values].map(([name, v]) => [name, v.slice(0, count)])) };
+  return { count, values: new Map([...columns.values].map(([name, v]) => [name, v.slice(0, count)])), total: columns.count };
 }

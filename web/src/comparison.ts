@@ -1,6 +1,7 @@
 // At a photo's place: the photo on the left, the 3D view or a rendered map on the right, with a slider between them.
 import { fileUrl, kExported, photoUrl, renderUrl, type CameraInfo, type RunState } from './api';
 import { element } from './dom';
+import { lookThrough } from './photo_camera';
 import { type Viewer } from './viewer';
 
 const kKinds = ['rgb', 'depth', 'normal', 'label', 'error'];
@@ -67,7 +68,7 @@ export class Comparison {
   private layout(): void {
     const camera = this.camera;
     if (!camera) return;
-    const size = this.viewer.lookThrough(camera);
+    const size = lookThrough(this.viewer, camera);
     const kind = element<HTMLSelectElement>('right').value, rendered = this.state.views[camera.img_name];
     const left = element<HTMLImageElement>('left-picture'), right = element<HTMLImageElement>('right-picture');
     for (const picture of [left, right]) { picture.style.width = `${size.width}px`; picture.style.height = `${size.height}px`; }

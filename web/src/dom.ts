@@ -26,6 +26,7 @@ const line = 'fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejo
 export const kIcons = {
   eye: icon(`<path d="M1 8c3-5 11-5 14 0-3 5-11 5-14 0z" ${line}/><circle cx="8" cy="8" r="2" fill="currentColor"/>`),
   brush: icon(`<path d="M9 9 14 2M9 9c-3-1-5 1-5 3s-2 2-2 2c4 1 8-1 7-5z" ${line}/>`),
+  pen: icon(`<path d="M3 13l1-3.5L11 2.5l2.5 2.5L6.5 12z" ${line}/>`),
   solo: icon(`<circle cx="8" cy="8" r="6" ${line}/><circle cx="8" cy="8" r="2.5" fill="currentColor"/>`),
   fly: icon(`<path d="M8 1v4M8 11v4M1 8h4M11 8h4" ${line}/><circle cx="8" cy="8" r="2.5" ${line}/>`),
   bin: icon(`<path d="M2.5 4h11M6 4V2h4v2M4 4l.7 10h6.6L12 4M6.5 7v4M9.5 7v4" ${line}/>`),

@@ -30,5 +30,8 @@ export async function editedScene(trained: Columns, bytes: BlobPart): Promise<Co
     if (more) out.set(more, rows.length);
     values.set(name, out);
   }
-  return { count: rows.length + head.added, values };
+  const places = new Int32Array(rows.length + head.added), sources = part.bytes.length - 4 * head.added;
+  places.set(rows);
+  for (let i = 0; i < head.added; ++i) places[rows.length + i] = view.getInt32(sources + 4 * i, true); // -1: a copy, or it fills a hole
+  return { count: rows.length + head.added, values, places, total: head.total };
 }

@@ -1,7 +1,15 @@
 // Reads mesh/mesh.ply: binary little-endian, vertices with colours and labels, triangles.
+import { request } from './api';
+
 export interface PlyMesh { positions: Float32Array; colors: Uint8Array; labels: Uint16Array | null; indices: Uint32Array }
 
 const kSizes: Record<string, number> = { char: 1, uchar: 1, short: 2, ushort: 2, int: 4, uint: 4, float: 4, double: 8 };
+
+export async function fetchMesh(url: string): Promise<PlyMesh> {
+  const answer = await request(url);
+  if (!answer.ok) throw new Error(`The mesh cannot be loaded. The server answered ${answer.status}.`);
+  return parseMeshPly(await answer.arrayBuffer());
+}
 
 export function parseMeshPly(buffer: ArrayBuffer): PlyMesh {
   const head = new TextDecoder('latin1').decode(new Uint8Array(buffer, 0, Math.min(buffer.byteLength, 8192)));

@@ -2,7 +2,7 @@
 // page.json (src/serve/page_notes.h). A page without a run folder keeps them in this browser.
 import { kExported, post, type RunState } from './api';
 
-export interface SavedView { name: string; eye: number[]; target: number[] }
+export interface SavedView { name: string; eye: number[]; target: number[]; cut?: number[] }
 export interface Measurement { from: number[]; to: number[] }
 export interface Notes { format: string; version: number; views: SavedView[]; measurements: Measurement[] }
 

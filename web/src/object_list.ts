@@ -1,7 +1,7 @@
 // The objects of the room by name, with search: show or hide, fly to, delete.
 import { element, iconButton, kIcons, make } from './dom';
 import { sizeText, type SceneObject } from './scene_objects';
-import { objectKey } from './splat_layer';
+import { objectKey } from './drawn_splats';
 
 export interface ObjectActions {
   fly(object: SceneObject): void;

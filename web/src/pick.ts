@@ -2,14 +2,15 @@
 export interface Splats {
   count: number; centres: Float32Array; scales: Float32Array; rotations: Float32Array; // rotations w x y z, scales in scene units
   opacities: Float32Array; labels: Uint16Array | null; instances: Uint16Array | null; confidences: Uint8Array | null;
+  places: Int32Array | null; total: number; // as Columns has them
 }
 export const kLeastAlpha = 1 / 255; // fainter Gaussians are not drawn, alpha_min of the rasteriser
 // Less than this of a ray is stopped: no click means such a haze. A seam between two surfaces stops more, if not half.
 const kLeastOpacity = 0.1;
 export interface Hit { label: number; share: number; instance: number; confidence: number; distance: number }
 
-/// `origin`, `direction` (unit) in the splats' own frame. Hidden classes let the ray through.
-export function pickSplat(s: Splats, origin: number[], direction: number[], hidden: (label: number, instance: number) => boolean): Hit | null {
+/// `origin`, `direction` (unit) in the splats' own frame. Splats that are not drawn let the ray through.
+export function pickSplat(s: Splats, origin: number[], direction: number[], drawn: (splat: number) => boolean): Hit | null {
   const hits: { t: number; alpha: number; index: number }[] = [];
   const [dx, dy, dz] = direction;
   for (let i = 0; i < s.count; ++i) {
@@ -18,7 +19,7 @@ export function pickSplat(s: Splats, origin: number[], direction: number[], hidd
     if (along <= 0.02) continue;
     const largest = 3 * Math.max(s.scales[3 * i], s.scales[3 * i + 1], s.scales[3 * i + 2]);
     if (px * px + py * py + pz * pz - along * along > largest * largest) continue;
-    if (s.labels && hidden(s.labels[i], s.instances ? s.instances[i] : 0)) continue;
+    if (!drawn(i)) continue;
     const w = s.rotations[4 * i], x = s.rotations[4 * i + 1], y = s.rotations[4 * i + 2], z = s.rotations[4 * i + 3];
     // Rows of R^T: the Gaussian's axes.
     const axes = [

@@ -11,7 +11,7 @@ const kLeast = 1e-3;       // scene units
 export interface Cut { normal: Vec3; offset: number }
 
 export class RoomBox {
-  private constructor(private axes: Vec3[], private low: number[], private high: number[]) {}
+  private constructor(readonly axes: Vec3[], readonly low: number[], readonly high: number[]) {}
 
   /// From positions of splats in the y-up world; walls are along the box's sides.
   static of(points: Vec3[]): RoomBox | null {

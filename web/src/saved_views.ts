@@ -1,5 +1,6 @@
 // Views of the room that are kept: with the run by name, and in a link.
 import { Vec3 } from 'playcanvas';
+import { cutText, type CutBox, type CutShares } from './cut_box';
 import { element, iconButton, kIcons, make } from './dom';
 import { type Pose } from './navigation';
 import { kMostNotes, type NoteKeeper } from './notes';
@@ -25,7 +26,7 @@ export function poseOf(hash: string): Pose | null {
 }
 
 export class SavedViews {
-  constructor(private viewer: Viewer, private keeper: NoteKeeper, private pose: () => Pose, private go: (pose: Pose) => void, private told: (text: string) => void) {
+  constructor(private viewer: Viewer, private keeper: NoteKeeper, private pose: () => Pose, private go: (pose: Pose) => void, private cut: CutBox, private told: (text: string) => void) {
     element('save-view').addEventListener('click', () => this.save());
     element('copy-link').addEventListener('click', () => void this.copy());
   }
@@ -34,7 +35,10 @@ export class SavedViews {
     const { views } = this.keeper.notes;
     element('views').replaceChildren(...views.map((view) => {
       const row = make('li'), open = make('button', 'class-name', view.name);
-      open.addEventListener('click', () => this.go({ eye: this.viewer.toWorld(view.eye), target: this.viewer.toWorld(view.target) }));
+      open.addEventListener('click', () => {
+        this.cut.set((view.cut as CutShares | undefined) ?? null);
+        this.go({ eye: this.viewer.toWorld(view.eye), target: this.viewer.toWorld(view.target) });
+      });
       row.append(open, iconButton(kIcons.bin, 'remove', 'forget', view.name, () => this.keeper.set({ views: this.keeper.notes.views.filter((v) => v !== view) })));
       return row;
     }));
@@ -46,11 +50,12 @@ export class SavedViews {
     const { eye, target } = this.pose(), place = (p: Vec3) => this.viewer.fromWorld(p, true).map((x) => Number(x.toFixed(kSavedDigits)));
     let number = views.length + 1;
     while (views.some((v) => v.name === `view ${number}`)) ++number;
-    this.keeper.set({ views: [...views, { name: `view ${number}`, eye: place(eye), target: place(target) }] });
+    const cut = this.cut.get();
+    this.keeper.set({ views: [...views, { name: `view ${number}`, eye: place(eye), target: place(target), ...(cut ? { cut } : {}) }] });
   }
 
   private async copy(): Promise<void> {
-    const link = `${location.href.replace(/#.*/, '')}#${poseText(this.pose())}`;
+    const parts = [poseText(this.pose()), cutText(this.cut.get())].filter(Boolean), link = `${location.href.replace(/#.*/, '')}#${parts.join('&')}`;
     history.replaceState(null, '', link);
     try { await navigator.clipboard.writeText(link); this.told('The link is copied. It opens this view.'); }
     catch { this.told('The address of the page is now a link to this view.'); }

@@ -18,7 +18,8 @@ export class Selection {
   private next = 0;
   private editable = false;
 
-  constructor(private viewer: Viewer, private objects: ObjectList) {
+  /// `cleared`: nothing is picked any more.
+  constructor(private viewer: Viewer, private objects: ObjectList, private cleared: () => void) {
     viewer.canvas.addEventListener('pointerleave', () => this.hover(null));
     element('picked-close').addEventListener('click', () => this.clear());
   }
@@ -53,7 +54,7 @@ export class Selection {
   pick(found: { hit: Hit; point: Vec3 } | null): void {
     if (!found) { this.clear(); return; }
     const { hit } = found, info = this.state.classes?.find((c) => c.id === hit.label);
-    const details = [`${Math.round(100 * hit.share)} % of the ray`, hit.confidence > 0 ? `confidence ${hit.confidence.toFixed(2)}` : ''];
+    const details = [hit.share > 0 ? `${Math.round(100 * hit.share)} % of the ray` : '', hit.confidence > 0 ? `confidence ${hit.confidence.toFixed(2)}` : ''];
     element('picked-text').textContent = [this.text(hit), ...details].filter(Boolean).join(', ');
     this.choose(info ? { label: hit.label, instance: hit.instance } : null);
     element('picked').hidden = false;
@@ -69,7 +70,17 @@ export class Selection {
     this.point(null);
   }
 
+  /// Marks a selection that has a name as if it had been clicked.
+  chooseNamed(name: string, splats: number): void {
+    this.choose(null);
+    this.name = this.editable ? name : null;
+    element('picked-text').textContent = `${name}: ${splats.toLocaleString('en')} splats, selected by hand`;
+    element('picked-edits').hidden = !this.name;
+    element('picked').hidden = false;
+  }
+
   clear(): void {
+    this.cleared();
     element('picked').hidden = true;
     element('hovered').hidden = true;
     this.choose(null);

@@ -2,27 +2,27 @@
 // PlayCanvas.
 import {
   AppBase, AppOptions, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
-  GSplatHandler, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RESOLUTION_FIXED, RenderComponentSystem, StandardMaterial, Texture,
-  TextureHandler, Vec3, createGraphicsDevice,
+  GSplatHandler, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RESOLUTION_FIXED, RenderComponentSystem, Texture, TextureHandler, Vec3,
+  createGraphicsDevice,
 } from 'playcanvas';
-import { request, type CameraInfo } from './api';
+import { type CameraInfo } from './api';
 import { type Columns } from './columns';
-import { parseMeshPly, type PlyMesh } from './mesh_ply';
+import { type CutBounds } from './cut_box';
+import { DrawnSplats, type ClassStyle } from './drawn_splats';
+import { MeshLayer } from './mesh_layer';
+import { MeshPicker } from './mesh_pick';
+import { fetchMesh, type PlyMesh } from './mesh_ply';
 import { MovingQuality } from './moving_quality';
 import { kLeastAlpha, pickSplat, type Hit, type Splats } from './pick';
 import { RoomBox } from './room_box';
-import { kStyles, objectKey, SplatLayer } from './splat_layer';
+import { frustaLines, rulerLines, SceneLines, type Line } from './scene_lines';
+import { kStyles, SplatLayer } from './splat_layer';
+import { middleOf, solidPoints } from './splat_points';
 import { kContext } from './webgl_context';
 
-/// `shell`: walls, ceiling and what hangs on them; it is cut away where it hides the room.
-export interface ClassStyle { color: [number, number, number]; visible: boolean; shell?: boolean }
-
-const kLinear = Uint8Array.from({ length: 256 }, (_, i) => Math.round(255 * (i / 255) ** 2.2)); // sRGB to linear
 const kMostPixelRatio = 1.5;     // device pixels a CSS pixel: more is not seen and costs time
 const kMovingAlpha = 1 / 32;     // opacity below which a splat is not drawn then
 const kLeastSize = 2, kMovingSize = 3; // pixels below which a splat is not drawn, at rest and while the camera moves
-const kPoints = 8000;            // splats that the room's box is made of
-const kSolid = 0.3;              // opacity of a splat that is no haze
 const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
 const kPictureTime = 30000; // milliseconds that a picture of a chosen size may take
 const kSortTime = 3000, kLook = 20; // milliseconds that a sorted picture is waited for, and between two looks
@@ -39,19 +39,19 @@ export class Viewer {
   onPose: () => void = () => {};
   moving: () => boolean = () => false; // a pointer or a key is held
   room: RoomBox | null = null;
+  readonly drawn = new DrawnSplats();
   private cutSides = '';
-  private hiddenObjects = new Set<string>();
   private sharp = 0; // timer: the full quality comes back
   private quality = new MovingQuality();
   private drawsMoving = false;
   private framesBefore = 0; // frames when the camera moved last
   private layer: SplatLayer | null = null;
-  private meshEntity: Entity | null = null;
+  private meshLayer!: MeshLayer;
+  private meshPicker = new MeshPicker();
   private styleTexture!: Texture;
-  private styles: ClassStyle[] = [];
   private mix = 0;
   private drawUntil = 0;
-  private lines: { points: Vec3[]; color: Color }[] = [];
+  private lines = new SceneLines();
 
   private constructor(readonly app: AppBase, readonly canvas: HTMLCanvasElement) {}
 
@@ -71,6 +71,7 @@ export class Viewer {
     viewer.camera.addComponent('camera', { clearColor: new Color(0.09, 0.1, 0.12), fov: 60, nearClip: 0.02, farClip: 500 });
     app.root.addChild(viewer.camera);
     app.root.addChild(viewer.world);
+    viewer.meshLayer = new MeshLayer(app, viewer.world);
     viewer.styleTexture = new Texture(device, {
       name: 'styles', width: kStyles, height: 2, format: PIXELFORMAT_RGBA8, mipmaps: false, minFilter: FILTER_NEAREST, magFilter: FILTER_NEAREST,
     });
@@ -79,7 +80,7 @@ export class Viewer {
     splatSystem.on('frame:request', () => { app.renderNextFrame = true; });
     splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.sorted ||= ready && loading === 0; viewer.settled = ready && loading === 0 && !viewer.drawsMoving; });
     app.on('update', () => { if (performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
-    app.on('prerender', () => { ++viewer.frames; if (viewer.drawsMoving) viewer.quality.frame(performance.now()); for (const l of viewer.lines) app.drawLines(l.points, l.color); });
+    app.on('prerender', () => { ++viewer.frames; if (viewer.drawsMoving) viewer.quality.frame(performance.now()); viewer.lines.draw(app); });
     app.start();
     // The canvas is given the size of its place in pixels, so that place is watched.
     new ResizeObserver(() => { viewer.resize(); viewer.draw(); }).observe(canvas.parentElement!);
@@ -169,11 +170,14 @@ export class Viewer {
     const cuts = this.room?.cuts(this.camera.getPosition()) ?? [], key = cuts.map((c) => c.normal.toString()).join();
     if (key === this.cutSides) return;
     this.cutSides = key;
-    this.layer?.cut(cuts, kWallShare * (this.room?.diagonal ?? 1));
+    this.drawn.cuts = cuts;
+    this.drawn.wall = kWallShare * (this.room?.diagonal ?? 1);
+    this.layer?.cut(cuts, this.drawn.wall);
   }
 
   setUp(up: Vec3): void {
     this.world.setLocalRotation(new Quat().setFromDirections(up.clone().normalize(), Vec3.UP));
+    this.drawn.setTurn(this.world.getWorldTransform());
   }
 
   setBackground(dark: boolean): void {
@@ -196,10 +200,10 @@ export class Viewer {
     this.splats = this.layer.splats;
     this.layer.entity.enabled = old ? old.entity.enabled : true;
     old?.destroy();
-    this.room = RoomBox.of(this.seenPoints());
+    this.room = RoomBox.of(solidPoints(this.splats, (p) => this.toWorld(p)));
     this.cutSides = '';
     this.cutWalls();
-    this.layer.showObjects(this.hiddenObjects);
+    this.layer.showObjects(this.drawn.hiddenObjects);
     this.applyStyles();
   }
 
@@ -223,18 +227,29 @@ export class Viewer {
     return Number.isFinite(along) && along > 0 ? eye.clone().add(direction.mulScalar(along)) : null;
   }
 
+  /// Draws what is in a box alone, and its edges.
+  cutTo(box: CutBounds | null, edges: Line[]): void {
+    this.drawn.box = box;
+    this.layer?.box(box);
+    this.lines.set('box', edges);
+    if (this.mesh) this.meshLayer.keep(this.mesh, (corner) => this.drawn.hasTriangle(this.mesh!, corner));
+    this.draw();
+  }
+
+  /// Marks splats, one flag each; null: none.
+  mark(flags: Uint8Array | null): void {
+    this.layer?.mark(flags);
+    this.draw();
+  }
+
   /// Objects (objectKey) that are not drawn and not picked.
   hideObjects(hidden: Set<string>): void {
-    this.hiddenObjects = hidden;
+    this.drawn.hiddenObjects = hidden;
     this.layer?.showObjects(hidden);
     this.draw();
   }
 
-  async loadMesh(url: string): Promise<void> {
-    const answer = await request(url);
-    if (!answer.ok) throw new Error(`The mesh cannot be loaded. The server answered ${answer.status}.`);
-    this.setMesh(parseMeshPly(await answer.arrayBuffer()));
-  }
+  async loadMesh(url: string): Promise<void> { this.setMesh(await fetchMesh(url)); }
 
   setMesh(mesh: PlyMesh): void {
     this.mesh = mesh;
@@ -242,69 +257,34 @@ export class Viewer {
   }
 
   private buildMesh(): void {
-    const ply = this.mesh!;
-    const show = !this.meshEntity || this.meshEntity.enabled;
-    this.meshEntity?.destroy();
-    const colors = new Uint8Array(ply.colors);
-    let indices = ply.indices;
-    if (ply.labels) {
-      for (let i = 0; i < ply.labels.length; ++i) {
-        const c = this.style(ply.labels[i]).color;
-        for (let k = 0; k < 3; ++k) colors[4 * i + k] = (1 - this.mix) * colors[4 * i + k] + this.mix * c[k];
-      }
-      const kept = new Uint32Array(indices.length);
-      let n = 0;
-      for (let f = 0; f < indices.length; f += 3) {
-        if (!this.style(ply.labels[indices[f]]).visible) continue;
-        kept[n++] = indices[f]; kept[n++] = indices[f + 1]; kept[n++] = indices[f + 2];
-      }
-      indices = kept.slice(0, n);
-    }
-    // The camera's output is converted to sRGB once more, the colours of the file are sRGB already.
-    for (let i = 0; i < colors.length; ++i) if (i % 4 < 3) colors[i] = kLinear[colors[i]];
-    const mesh = new Mesh(this.app.graphicsDevice);
-    mesh.setPositions(ply.positions);
-    mesh.setColors32(colors);
-    mesh.setIndices(indices);
-    mesh.update();
-    const material = new StandardMaterial();
-    material.useLighting = false;
-    material.emissive = new Color(1, 1, 1);
-    material.emissiveVertexColor = true;
-    material.diffuse = new Color(0, 0, 0);
-    material.cull = 0; // both sides: rooms are looked at from inside
-    material.update();
-    const entity = new Entity('mesh');
-    entity.addComponent('render', { meshInstances: [new MeshInstance(mesh, material)] });
-    this.world.addChild(entity);
-    entity.enabled = show;
-    this.meshEntity = entity;
+    const mesh = this.mesh!;
+    this.meshLayer.build(mesh, (label) => this.style(label), this.mix, (corner) => this.drawn.hasTriangle(mesh, corner));
     this.draw();
   }
 
-  get showsMesh(): boolean { return !!this.meshEntity?.enabled; }
+  get showsMesh(): boolean { return this.meshLayer.shown; }
 
   show(what: 'splats' | 'mesh'): void {
     if (this.layer) this.layer.entity.enabled = what === 'splats';
-    if (this.meshEntity) this.meshEntity.enabled = what === 'mesh';
+    this.meshLayer.show(what === 'mesh');
     this.draw();
   }
 
   /// Styles by class; `mix` 0: own colours, 1: the classes' colours.
   setStyles(styles: ClassStyle[], mix: number): void {
-    this.styles = styles;
+    this.drawn.styles = styles;
     this.mix = mix;
     this.applyStyles();
     if (this.mesh) this.buildMesh();
   }
 
-  style(label: number): ClassStyle { return this.styles[label] ?? { color: [128, 128, 128], visible: true }; }
+  style(label: number): ClassStyle { return this.drawn.style(label); }
 
   private applyStyles(): void {
-    const data = this.styleTexture.lock() as Uint8Array;
+    const data = this.styleTexture.lock() as Uint8Array, mix = this.splats?.labels ? this.mix : 0;
     for (let i = 0; i < kStyles; ++i) {
       const s = this.style(i);
-      data.set([...s.color, Math.round(255 * this.mix)], 4 * i);
+      data.set([...s.color, Math.round(255 * mix)], 4 * i);
       data.set([s.visible ? 255 : 0, s.shell ? 255 : 0, 0, 0], 4 * (kStyles + i));
     }
     this.styleTexture.unlock();
@@ -320,74 +300,30 @@ export class Viewer {
     this.moved();
   }
 
-  /// Puts the camera where a photo was taken, with its field of view; `fit` is the part of the canvas the photo fills.
-  lookThrough(c: CameraInfo): { width: number; height: number } {
-    const R = c.rotation, turn = this.world.getRotation();
-    const axis = (k: number, sign: number) => turn.transformVector(new Vec3(sign * R[0][k], sign * R[1][k], sign * R[2][k]));
-    const eye = this.toWorld(c.position);
-    this.camera.setPosition(eye);
-    this.camera.lookAt(eye.clone().add(axis(2, 1)), axis(1, -1));
-    const w = this.canvas.clientWidth, h = this.canvas.clientHeight, scale = Math.min(w / c.width, h / c.height);
-    this.camera.camera!.fov = (2 * Math.atan((0.5 * h) / (c.fy * scale)) * 180) / Math.PI;
-    this.moved();
-    return { width: c.width * scale, height: c.height * scale };
-  }
-
   setFrusta(cameras: CameraInfo[], size: number): void {
-    this.lines = this.lines.filter((l) => l.color.b > 0.5 === false);
-    for (const c of cameras) {
-      const corner = (u: number, v: number) => {
-        const q = [((u - 0.5) * c.width * size) / c.fx, ((v - 0.5) * c.height * size) / c.fy, size];
-        return this.toWorld([0, 1, 2].map((k) => c.position[k] + c.rotation[k][0] * q[0] + c.rotation[k][1] * q[1] + c.rotation[k][2] * q[2]));
-      };
-      const eye = this.toWorld(c.position), k = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-      const color = c.split === 'test' ? new Color(1, 0.6, 0.9) : new Color(0.3, 0.8, 1);
-      this.lines.push({ points: [eye, k[0], eye, k[1], eye, k[2], eye, k[3], k[0], k[1], k[1], k[2], k[2], k[3], k[3], k[0]], color });
-    }
+    this.lines.set('cameras', frustaLines(cameras, size, (p) => this.toWorld(p)));
     this.draw();
   }
 
   /// Crosses at places of the y-up world, and a line between the two of each pair.
   setRuler(points: Vec3[]): void {
-    this.lines = this.lines.filter((l) => l.color.b > 0.5);
-    const arm = 0.03;
-    for (const p of points) {
-      for (const d of [new Vec3(arm, 0, 0), new Vec3(0, arm, 0), new Vec3(0, 0, arm)]) {
-        this.lines.push({ points: [p.clone().sub(d), p.clone().add(d)], color: new Color(1, 0.9, 0.1) });
-      }
-    }
-    for (let k = 0; k + 1 < points.length; k += 2) this.lines.push({ points: [points[k], points[k + 1]], color: new Color(1, 0.9, 0.1) });
+    this.lines.set('ruler', rulerLines(points));
     this.draw();
   }
 
   /// The object under a point of the canvas (CSS pixels), and its place in the y-up world.
   pick(x: number, y: number): { hit: Hit; point: Vec3 } | null {
-    if (!this.splats) return null;
     const box = this.canvas.getBoundingClientRect();
     const far = this.camera.camera!.screenToWorld(x - box.left, y - box.top, 10);
     const eye = this.camera.getPosition(), direction = far.sub(eye).normalize();
     const back = this.world.getWorldTransform().clone().invert();
     const o = back.transformPoint(eye), d = back.transformVector(direction);
-    const hit = pickSplat(this.splats, [o.x, o.y, o.z], [d.x, d.y, d.z], (label, instance) => !this.style(label).visible || this.hiddenObjects.has(objectKey(label, instance)));
+    const { splats, mesh, drawn } = this, origin = [o.x, o.y, o.z], along = [d.x, d.y, d.z];
+    const hit = this.showsMesh && mesh ? this.meshPicker.pick(mesh, splats, origin, along, (corner) => drawn.hasTriangle(mesh, corner))
+      : splats && pickSplat(splats, origin, along, (i) => drawn.has(splats, i));
     return hit && { hit, point: eye.clone().add(direction.mulScalar(hit.distance)) };
   }
 
-  /// Median position of the splats that can be seen: the middle of the room. An exported page has no others.
-  middle(): Vec3 {
-    const s = this.splats;
-    if (!s) return new Vec3();
-    const seen = Array.from(s.opacities.keys()).filter((i) => s.opacities[i] >= kLeastAlpha);
-    if (seen.length === 0) return new Vec3();
-    const median = [0, 1, 2].map((k) => Float32Array.from(seen, (i) => s.centres[3 * i + k]).sort()[seen.length >> 1]);
-    return this.toWorld(median);
-  }
-
-  /// A sample of the splats that can be seen, in the y-up world.
-  private seenPoints(): Vec3[] {
-    const s = this.splats!, step = Math.max(1, Math.floor(s.count / kPoints)), points: Vec3[] = [];
-    for (let i = 0; i < s.count; i += step) {
-      if (s.opacities[i] >= kSolid) points.push(this.toWorld([s.centres[3 * i], s.centres[3 * i + 1], s.centres[3 * i + 2]]));
-    }
-    return points;
-  }
+  /// The middle of the room, in the y-up world.
+  middle(): Vec3 { return this.splats ? middleOf(this.splats, (p) => this.toWorld(p)) : new Vec3(); }
 }

@@ -25,6 +25,14 @@ bool means(const SelectionQuery& query, int label, int instance) {
 EditableRoom chosen_objects(const EditableRoom& room, const std::string& text, ThreadPool& pool) {
   static const std::regex node_name(R"(\.(0*)(\d+)\b)");
   const SelectionQuery query = read_selection(room, std::regex_replace(text, node_name, "#$2"));
+  for (const auto* terms : {&query.include, &query.exclude}) {
+    for (const SelectionTerm& term : *terms) {
+      if (!term.named.empty()) {
+        throw_usage("--object takes classes and objects, and \"" + term.named + "\" was drawn by hand",
+                    "make a run of it: aligngs edit RUN --select \"" + term.named + "\" --extract -o NEW_RUN");
+      }
+    }
+  }
   const GaussianLabels& labels = room.gaussians.labels;
   std::vector<uint8_t> keep(room.gaussians.model.size());
   for (size_t i = 0; i < keep.size(); ++i)

@@ -1,0 +1,74 @@
+// Draws a shape over the picture with the mouse, a pen or a finger. Other buttons, the wheel and a second finger still
+// move the camera.
+import { element } from './dom';
+import { type Point, type Tool } from './drawn_shape';
+
+const kLeastMove = 3; // CSS pixels between two points of a line
+
+export class DrawTool {
+  tool: Tool | null = null; // null: the pointer moves the camera
+  radius = 30;              // of the brush, CSS pixels
+  private points: Point[] = [];
+  private pointer = -1;     // that draws
+
+  /// `done` gets the points of a finished shape.
+  constructor(private canvas: HTMLElement, private done: (points: Point[], keys: { shift: boolean; alt: boolean }) => void) {
+    const place = canvas.parentElement!;
+    const mine = (e: PointerEvent) => { e.stopImmediatePropagation(); e.preventDefault(); };
+    place.addEventListener('pointerdown', (e) => {
+      if (!this.tool || e.target !== canvas) return;
+      if (this.pointer >= 0) { this.cancel(); return; } // a second finger: the camera, or nothing
+      if (e.button !== 0) return;
+      mine(e);
+      this.pointer = e.pointerId;
+      canvas.setPointerCapture(e.pointerId);
+      this.points = [this.at(e)];
+      this.show();
+    }, true);
+    place.addEventListener('pointermove', (e) => {
+      if (e.pointerId !== this.pointer) { this.cursor(e); return; }
+      mine(e);
+      const p = this.at(e), last = this.points[this.points.length - 1];
+      if (Math.hypot(p.x - last.x, p.y - last.y) >= kLeastMove) this.points.push(p);
+      this.show();
+      this.cursor(e);
+    }, true);
+    place.addEventListener('pointerup', (e) => {
+      if (e.pointerId !== this.pointer) return;
+      mine(e);
+      const { points } = this;
+      this.cancel();
+      if (points.length > (this.tool === 'lasso' ? 2 : this.tool === 'rectangle' ? 1 : 0)) this.done(points, { shift: e.shiftKey, alt: e.altKey });
+    }, true);
+    place.addEventListener('pointercancel', (e) => { if (e.pointerId === this.pointer) this.cancel(); }, true);
+    canvas.addEventListener('pointerleave', () => element('draw-cursor').setAttribute('r', '0'));
+  }
+
+  /// Leaves what is being drawn.
+  cancel(): void {
+    this.pointer = -1;
+    this.points = [];
+    this.show();
+  }
+
+  private at(e: PointerEvent): Point {
+    const box = this.canvas.getBoundingClientRect();
+    return { x: e.clientX - box.left, y: e.clientY - box.top };
+  }
+
+  private show(): void {
+    const line = element('draw-line'), { points } = this, first = points[0], last = points[points.length - 1];
+    const corners = this.tool === 'rectangle' && first ? [first, { x: last.x, y: first.y }, last, { x: first.x, y: last.y }] : points;
+    line.setAttribute('d', corners.length ? `M${corners.map((p) => `${p.x} ${p.y}`).join('L')}${this.tool === 'brush' ? '' : 'Z'}` : '');
+    line.setAttribute('class', this.tool === 'brush' ? 'stroke' : 'outline');
+    line.style.strokeWidth = this.tool === 'brush' ? `${2 * this.radius}px` : '';
+  }
+
+  /// The size of the brush under the pointer.
+  private cursor(e: PointerEvent): void {
+    const p = this.at(e), ring = element('draw-cursor');
+    ring.setAttribute('cx', String(p.x));
+    ring.setAttribute('cy', String(p.y));
+    ring.setAttribute('r', String(this.tool === 'brush' && e.target === this.canvas ? this.radius : 0));
+  }
+}
