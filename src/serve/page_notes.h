@@ -31,8 +31,8 @@ struct PageNotes {
 };
 
 /// {"format": "aligngs page", "version": 1, "views": [{"name", "eye", "target", "cut"}], "measurements": [{"from", "to"}]}.
-/// "cut" may be absent. Error{kBadInput} that names the field: another format, names without text, places that are no
-/// three finite numbers up to a million, or cuts that are no six shares.
+/// "cut" may be absent. Error{kBadInput} that names the field: another format, or names without text. It is also
+/// thrown for places that are no three finite numbers up to a million, and for cuts that are no six shares.
 PageNotes read_page_notes(const std::string& text, const std::filesystem::path& name_for_errors);
 nlohmann::json page_notes_json(const PageNotes& notes);
 

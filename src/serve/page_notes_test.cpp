@@ -56,6 +56,17 @@ TEST(PageNotes, RefusalsNameTheField) {
   EXPECT_EQ(field_of_refusal(with("[{\"from\": [0, 0, 0], \"to\": [0, 2.5, 0]}]", "7")), "measurements");
 }
 
+TEST(PageNotes, AViewMayCutTheRoom) {
+  const std::string text = with("\"eye\"", "\"cut\": [0, 1, 0, 0.5, 0.25, 1], \"eye\"");
+  const PageNotes notes = read_page_notes(text, "page.json");
+  ASSERT_TRUE(notes.views[0].cut);
+  EXPECT_EQ((*notes.views[0].cut)[3], 0.5);
+  EXPECT_EQ(page_notes_json(notes), parse_json(text));
+  for (const char* cut : {"[0, 1]", "[0, 1, 0, 2, 0, 1]", "[0, 1, 0.5, 0.5, 0, 1]", "7"}) {
+    EXPECT_EQ(field_of_refusal(with("\"eye\"", std::string("\"cut\": ") + cut + ", \"eye\"")), "views[0].cut") << cut;
+  }
+}
+
 TEST(PageNotes, ListsHaveAnEnd) {
   nlohmann::json json = parse_json(kText);
   for (int i = 0; i < 200; ++i) json["measurements"].push_back(json["measurements"][0]);
