@@ -10,13 +10,13 @@ void EditSession::follow_selections() {
   if (original_.selections && listed == listed_selections_) return;
   original_.selections =
       std::make_shared<const RoomSelections>(room_selections(named_selections_file(run_), std::move(now), original_));
-  room_.selections = original_.selections;
+  if (edited_) edited_->selections = original_.selections;
   listed_selections_ = std::move(listed);
 }
 
 const RoomSelections& EditSession::selections() {
   follow_selections();
-  return *room_.selections;
+  return *original_.selections;
 }
 
 void EditSession::save_selection(const std::string& name, const std::vector<uint8_t>& rows) {

@@ -21,7 +21,7 @@
 namespace aligngs {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr uint64_t kPageLimit = uint64_t(64) << 20;    // bytes of one file of the page
 constexpr uint64_t kMostRunJson = uint64_t(16) << 20;  // bytes of cameras.json or room.json
@@ -29,8 +29,8 @@ constexpr size_t kSampleShare = 16;                    // one part of this many 
 constexpr double kMeshBytes = 7.7;                     // of a triangle in the file, measured on simplified rooms
 constexpr size_t kBase64In = 3, kBase64Out = 4;        // bytes
 
-Json classes_of(const LabelSet& labels) {
-  Json classes = Json::array();
+OrderedJson classes_of(const LabelSet& labels) {
+  OrderedJson classes = OrderedJson::array();
   for (int i = 0; i < labels.size(); ++i) {
     const LabelClass& c = labels.classes[static_cast<size_t>(i)];
     classes.push_back({{"id", i}, {"name", c.name}, {"synonyms", c.synonyms}, {"color", c.color}});
@@ -39,9 +39,9 @@ Json classes_of(const LabelSet& labels) {
 }
 
 /// A JSON file of the run; null when it is absent or cannot be read.
-Json run_json(const std::filesystem::path& path) {
+OrderedJson run_json(const std::filesystem::path& path) {
   try {
-    return path.empty() ? Json() : parse_ordered_json(read_file(path, kMostRunJson));
+    return path.empty() ? OrderedJson() : parse_ordered_json(read_file(path, kMostRunJson));
   } catch (const Error&) {
     return nullptr;
   }
@@ -172,26 +172,26 @@ std::string packed_scene(const HtmlParts& parts, const HtmlSceneInfo& info) {
   const std::vector<uint32_t> rows = visible_rows(stored.gaussians.model);
   const SplatColumns columns = columns_of(stored, rows);
   const bool meshes = parts.mesh && !room.mesh.empty();
-  const Json measured = run_json(info.room), cameras = run_json(info.cameras);
-  Json state = {{"name", info.name},
-                {"status", "exported"},
-                {"version", std::to_string(std::hash<std::string_view>()(columns.data()))},
-                {"splats", "scene.ply"},
-                {"mesh", meshes ? Json("mesh.ply") : Json()},
-                {"units", info.metric ? "metres" : "arbitrary"},
-                {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : Json()}};
-  state["up"] = room.up ? Json{room.up->x, room.up->y, room.up->z} : Json();
-  state["cameras"] = cameras.is_array() ? cameras : Json();
+  const OrderedJson measured = run_json(info.room), cameras = run_json(info.cameras);
+  OrderedJson state = {{"name", info.name},
+                       {"status", "exported"},
+                       {"version", std::to_string(std::hash<std::string_view>()(columns.data()))},
+                       {"splats", "scene.ply"},
+                       {"mesh", meshes ? OrderedJson("mesh.ply") : OrderedJson()},
+                       {"units", info.metric ? "metres" : "arbitrary"},
+                       {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : OrderedJson()}};
+  state["up"] = room.up ? OrderedJson{room.up->x, room.up->y, room.up->z} : OrderedJson();
+  state["cameras"] = cameras.is_array() ? cameras : OrderedJson();
   state["edited"] = parts.before != nullptr;
-  state["edits"] = parts.before != nullptr ? Json("1") : Json();
-  state["room"] = measured.is_object() ? Json("room.json") : Json();
+  state["edits"] = parts.before != nullptr ? OrderedJson("1") : OrderedJson();
+  state["room"] = measured.is_object() ? OrderedJson("room.json") : OrderedJson();
   if (!info.notes.empty() && std::filesystem::exists(info.notes))
     state["notes"] = page_notes_json(read_page_notes(read_file(info.notes, kMostRunJson), info.notes));
-  const Json head = {{"state", state},
-                     {"room", measured.is_object() ? measured : Json()},
-                     {"count", rows.size()},
-                     {"columns", columns.description()}};
-  return head.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n" + columns.data();
+  const OrderedJson head = {{"state", state},
+                            {"room", measured.is_object() ? measured : OrderedJson()},
+                            {"count", rows.size()},
+                            {"columns", columns.description()}};
+  return head.dump(-1, ' ', true, OrderedJson::error_handler_t::replace) + "\n" + columns.data();
 }
 
 HtmlSize estimate_html(const HtmlParts& parts, const HtmlSceneInfo& info) {

@@ -5,13 +5,13 @@
 namespace aligngs {
 namespace {
 
-constexpr int kColumns = 5, kRows = 7, kScale = 2, kAdvance = (kColumns + 1) * kScale, kMargin = 4;
+constexpr int kColumns = 5, kGlyphRows = 7, kScale = 2, kAdvance = (kColumns + 1) * kScale, kMargin = 4;
 constexpr int kTail = 1;  // rows below the line
 constexpr uint8_t kInk = 40;
 
 /// Rows from the top, five bits each, the highest on the left. Letters with a tail (g, j, p, q, y) are drawn a row
 /// lower.
-using Glyph = std::array<uint8_t, kRows>;
+using Glyph = std::array<uint8_t, kGlyphRows>;
 constexpr std::array<Glyph, 26> kLetters = {{
     {0b00000, 0b00000, 0b01110, 0b00001, 0b01111, 0b10001, 0b01111},  // a
     {0b10000, 0b10000, 0b11110, 0b10001, 0b10001, 0b10001, 0b11110},  // b
@@ -42,7 +42,7 @@ constexpr std::array<Glyph, 26> kLetters = {{
 }};
 
 void draw_letter(Image<uint8_t>& picture, int x0, int y0, const Glyph& glyph) {
-  for (int y = 0; y < kRows * kScale; ++y) {
+  for (int y = 0; y < kGlyphRows * kScale; ++y) {
     for (int x = 0; x < kColumns * kScale; ++x) {
       const bool ink = (glyph[size_t(y / kScale)] >> (kColumns - 1 - x / kScale)) & 1;
       if (!ink || x0 + x < 0 || y0 + y < 0 || x0 + x >= picture.width || y0 + y >= picture.height) continue;
@@ -58,7 +58,8 @@ void draw_title(Image<uint8_t>& picture, int x0, int y0, std::string_view title)
   for (const char letter : title) {
     const int tail = std::string_view("gjpqy").find(letter) == std::string_view::npos ? 0 : kTail;
     if (letter >= 'a' && letter <= 'z')
-      draw_letter(picture, x, y0 + (kTitleHeight - kRows * kScale) / 2 + tail * kScale, kLetters[size_t(letter - 'a')]);
+      draw_letter(picture, x, y0 + (kTitleHeight - kGlyphRows * kScale) / 2 + tail * kScale,
+                  kLetters[size_t(letter - 'a')]);
     x += kAdvance;
   }
 }
