@@ -102,7 +102,7 @@ TEST(TrainingSet, TheOpacityControlHasTheWeightsOfTheBoundedCoupling) {
     scores[i] = 0.5f + 0.0015f * static_cast<float>(i);
     scores[300 + i] = 1 - scores[i];
   }
-  replace_semantics(scene.folder, "v0", {3, 15, 20}, scores);
+  test_scene::replace_semantics(scene.folder, "v0", {3, 15, 20}, scores);
   TrainConfig config = make_preset(Preset::kDefault);
   config.semantic.coupling_strength = 0.1;
   const PriorUse use = decide_prior_use(scene, config);

@@ -420,7 +420,7 @@ TEST_F(CaptureTest, TheFolderBelowThatHoldsAKnownLayoutIsNamed) {
     ADD_FAILURE() << "read";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr((folder_ / "export 1").string()));
-    EXPECT_THAT(error.what(), HasSubstr("polycam"));
+    EXPECT_THAT(error.what(), HasSubstr("Polycam"));
   }
 }
 
