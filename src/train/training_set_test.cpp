@@ -96,13 +96,14 @@ TEST(TrainingSet, ConfidenceWeighsPriorDepth) {
 }
 
 TEST(TrainingSet, TheOpacityControlHasTheWeightsOfTheBoundedCoupling) {
-  const Scene scene = scene_with("simulated");
+  Scene scene = scene_with("simulated");
   std::vector<float> scores(3 * 15 * 20);  // [class][row][column]: surer from pixel to pixel
   for (size_t i = 0; i < 300; ++i) {
     scores[i] = 0.5f + 0.0015f * static_cast<float>(i);
     scores[300 + i] = 1 - scores[i];
   }
   test_scene::replace_semantics(scene.folder, "v0", {3, 15, 20}, scores);
+  scene.views[0].semantics.replace_extension(".npy");
   TrainConfig config = make_preset(Preset::kDefault);
   config.semantic.coupling_strength = 0.1;
   const PriorUse use = decide_prior_use(scene, config);
