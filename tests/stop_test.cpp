@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "edit/edit_lock.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "support/process.h"
@@ -138,28 +139,29 @@ TEST_F(Stop, RefineSimulateAndTheRefinementInsideARun) {
 }
 
 /// A command that waits for a file hears signals, too: here for run.json, which is a pipe that nobody writes to.
-TEST_F(Stop, CommandsOnARunEvenWhereTheyWait) {
+/// Reading a pipe would wait for somebody to write.
+TEST_F(Stop, CommandsOnARunDoNotWaitForAPipe) {
   fs::create_directories(root_ / "work" / "run");
   for (const char* file : {"scene.ply", "edits.json", "metrics.json"})
     write_file_atomically(root_ / "work" / "run" / file, "old");
   remember();
   ASSERT_EQ(mkfifo((root_ / "work" / "run" / "run.json").c_str(), 0600), 0);
   const std::string run = path("work/run");
-  const std::vector<Words> commands = {{"mesh", run},
-                                       {"eval", run},
-                                       {"render", run},
-                                       {"export", run, "-f", "spz"},
-                                       {"edit", run, "--select", "bed", "--delete"},
-                                       {"export", run, "-f", "glb", "-o", path("work/out.glb")}};
-  const int signals[] = {SIGINT, SIGTERM, SIGHUP};
-  for (size_t i = 0; i < commands.size(); ++i) {
-    int reader = -1;  // opening a pipe to write without waiting succeeds once somebody waits to read
-    expect_stopped(commands[i], signals[i % 3], [&] {
-      if (reader < 0) reader = open((root_ / "work" / "run" / "run.json").c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-      return reader >= 0;
-    });
-    if (reader >= 0) close(reader);
+  for (const std::string& command :
+       {"mesh " + run, "eval " + run, "render " + run, "export " + run + " -f spz",
+        "edit " + run + " --select bed --delete", "export " + run + " -f glb -o " + path("work/out.glb")}) {
+    const auto result = run_aligngs(command, root_ / "scratch");
+    EXPECT_EQ(result.status, 3) << command;
+    EXPECT_THAT(result.err, HasSubstr("this is a pipe")) << command;
+    expect_as_before();
   }
+}
+
+TEST_F(Stop, AnEditThatWaitsForAnother) {
+  testing_support::write_small_scene(root_ / "scene");
+  ASSERT_EQ(run_aligngs("train " + path("scene") + " -o " + path("run") + " -n 2", root_ / "scratch").status, 0);
+  const EditLock lock(root_ / "run", "an edit of somebody else", 0);
+  expect_stopped({"edit", path("run"), "--select", "wall", "--recolor", "#ff0000", "--wait", "600"}, SIGTERM, at_once);
 }
 
 TEST_F(Stop, ATrainingStopsWithACheckpoint) {

@@ -10,7 +10,7 @@ import { ObjectDrag } from './drag';
 import { EditPanel } from './edits';
 import { HandSelection } from './hand_selection';
 import { joystick } from './joystick';
-import { bindKeys, showKeys } from './keys';
+import { bindKeys, showKeys, type Key } from './keys';
 import { Measures } from './measures';
 import { Messages } from './messages';
 import { Navigation, type Mode, type Pose } from './navigation';
@@ -59,10 +59,11 @@ export class Page {
   readonly measures: Measures;
   readonly path: PathPanel;
   readonly drag: ObjectDrag;
+  readonly keys: Key[] = pageKeys(this);
 
   constructor(readonly viewer: Viewer) {
     this.drag = new ObjectDrag(viewer, { // before the navigation, which hears the same pointers
-      picked: () => (this.selection.name && this.selection.picked && !this.measures.active && !this.hand.drawing && !this.comparison.camera ? { ...this.selection.picked, name: this.selection.name } : null),
+      picked: () => this.draggable(),
       cameras: () => this.state.cameras ?? [], metric: () => this.state.units === 'metres',
       apply: (edit) => this.edits.apply(edit), tell: (text) => this.messages.show(text, 'work'),
     });
@@ -160,6 +161,13 @@ export class Page {
     if (!pose) return;
     this.cut.set(cutOf(location.hash));
     this.look(pose.eye, pose.target);
+  }
+
+  /// The picked object, where a drag over it moves it: walls, the floor and what hangs on walls turn the view instead.
+  private draggable(): { label: number; instance: number; name: string } | null {
+    const { name, picked } = this.selection;
+    if (!name || !picked || picked.instance === 0 || this.measures.active || this.hand.drawing || this.comparison.camera) return null;
+    return this.viewer.style(picked.label).shell || /^floor/.test(name) ? null : { ...picked, name };
   }
 
   private showNotes(): void {
@@ -291,11 +299,10 @@ export class Page {
     on('original', 'click', () => this.toggleOriginal());
     bindPickedEdits(this.selection, this.edits);
     on('reload', 'click', () => location.reload());
-    const keys = pageKeys(this);
-    on('help-button', 'click', () => showKeys(keys));
+    on('help-button', 'click', () => showKeys(this.keys));
     on('help-close', 'click', () => element<HTMLDialogElement>('help').close());
     on('panel-button', 'click', () => this.openPanel(!document.body.classList.contains('panel-open')));
-    bindKeys(keys);
+    bindKeys(this.keys);
   }
 
   openPanel(open: boolean): void {

@@ -96,7 +96,11 @@ await withBrowser(async (browser) => {
 
   for (const format of ['glb', 'html']) {
     await page.locator('#export-format').selectOption(format);
-    const [download] = await Promise.all([page.waitForEvent('download', { timeout: 60000 }), page.locator('#export').click()]);
+    const save = async () => {
+      await page.locator('#export').click();
+      if (format === 'html') await page.locator('#export-save').click(); // the dialog with the size
+    };
+    const [download] = await Promise.all([page.waitForEvent('download', { timeout: 60000 }), save()]);
     check(download.suggestedFilename() === `scene.edited.${format}`, `saves ${download.suggestedFilename()}`);
     check(readFileSync(await download.path()).equals(readFileSync(join(run, `scene.edited.${format}`))), 'as it stands in the run folder');
     await page.waitForFunction(() => !document.body.classList.contains('busy'));
