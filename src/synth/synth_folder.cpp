@@ -112,7 +112,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
 
 uint64_t estimate_scene_bytes(const SynthOptions& o) {
   const uint64_t pixels = static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
-  // Of 150 values of two bytes most are zero: maps take this share once they are compressed.
+  // Most of the 150 values of two bytes are zero: maps take this share once they are compressed.
   constexpr double kCompressed = 0.05;
   const uint64_t scores =
       static_cast<uint64_t>(150 * 2 * kCompressed * static_cast<double>(pixels) * o.semantic_scale * o.semantic_scale);
