@@ -53,7 +53,9 @@ void launch(const DeviceContext& context, const char* name, void (*kernel)(P...)
                                     static_cast<int>(shape.shared_bytes)),
                name);
   }
-  kernel<<<shape.grid, shape.block, shape.shared_bytes, context.stream()> > >(static_cast<P>(args)...);
+  // clang-format off
+  kernel<<<shape.grid, shape.block, shape.shared_bytes, context.stream()>>>(static_cast<P>(args)...);
+  // clang-format on
   check_cuda(cudaGetLastError(), name);
 #ifndef NDEBUG
   if (!context.capturing()) check_cuda(cudaStreamSynchronize(context.stream()), name);
