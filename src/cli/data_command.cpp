@@ -85,7 +85,7 @@ void add_simulate(CLI::App& data, CommandContext& context) {
   command->add_option("scene", options->scene, "scene folder in metres with truth/mesh.ply")->required();
   command->add_option("-o,--output", options->output, "scene folder to write")->required();
   command->add_option("--level", options->level, "size of the simulated errors")
-      ->check(CLI::IsMember({"low", "medium", "high", "base", "small"}))
+      ->check(CLI::IsMember(teacher_level_names()))
       ->capture_default_str();
   command->add_option("--seed", options->priors.seed, "seed of all errors")->capture_default_str();
   command->add_flag("--overwrite", options->priors.overwrite, "replace a scene that aligngs wrote");

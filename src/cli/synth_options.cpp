@@ -43,7 +43,7 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
   command
       .add_option("--level", options->level,
                   "size of the simulated errors; medium imitates VGGT-1B, base and small DA3-Base and DA3-Small")
-      ->check(CLI::IsMember({"low", "medium", "high", "base", "small"}))
+      ->check(CLI::IsMember(teacher_level_names()))
       ->capture_default_str()
       ->group("Simulated priors");
   command

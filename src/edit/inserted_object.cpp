@@ -75,7 +75,7 @@ InsertedObject read_file_object(const std::string& source, const std::string& up
     throw Error({ErrorKind::kUsage, "there is no such file of splats", file, "--replace", kSourceExample});
   InsertedObject out;
   out.up = parse_axis(up);
-  out.front = out.up.z != 0 ? Vec3d{0, -1, 0} : out.up.y != 0 ? Vec3d{0, 0, 1} : Vec3d{0, 0, 1};
+  out.front = out.up.z != 0 ? Vec3d{0, -1, 0} : Vec3d{0, 0, 1};
   const std::string head = head_of(file);
   const auto has = [&](const char* name) { return head.find(std::string(" ") + name + "\n") != std::string::npos; };
   if (has("label") && has("instance") && has("confidence")) {
@@ -163,13 +163,10 @@ std::optional<Vec3d> wall_behind(const EditableRoom& room, const std::vector<uin
   constexpr double kNearest = 0.05;  // share of the object: strays nearer to the wall do not count
   const LabelledGaussians& g = room.gaussians;
   if (!g.has_labels()) return std::nullopt;
-  Vec3d inside;
-  for (const Camera& c : room.cameras) inside += c.centre() * (1.0 / static_cast<double>(room.cameras.size()));
-  for (size_t i = 0; room.cameras.empty() && i < g.model.size(); ++i)
-    inside += position_of(g.model, i) * (1.0 / static_cast<double>(g.model.size()));
   std::optional<Vec3d> best;
   double nearest = kBehind * g.extent;
-  for (const RoomPlane& plane : room_planes(g, carrying_classes(room.labels), selected, inside)) {
+  for (const RoomPlane& plane :
+       room_planes(g, carrying_classes(room.labels), selected, place_inside(g, room.cameras))) {
     if (plane.kind != PlaneKind::kWall) continue;
     std::vector<double> heights;
     for (size_t i = 0; i < selected.size(); ++i) {

@@ -24,17 +24,6 @@ struct ShellPlace {
   std::array<uint8_t, kShells> faces{};  ///< the shortest axis is along the normal
 };
 
-Vec3d place_inside(const LabelledGaussians& room, const std::vector<Camera>& cameras) {
-  Vec3d sum;
-  if (!cameras.empty()) {
-    for (const Camera& camera : cameras) sum += camera.centre();
-    return sum * (1.0 / static_cast<double>(cameras.size()));
-  }
-  const size_t n = room.model.size();
-  for (size_t i = 0; i < n; ++i) sum += position_of(room.model, i);
-  return sum * (1.0 / static_cast<double>(std::max<size_t>(n, 1)));
-}
-
 ShellPlace shell_place(const Vec3d& p, const Vec3d& axis, const std::vector<RoomPlane>& planes, double beyond,
                        double facing) {
   ShellPlace out;

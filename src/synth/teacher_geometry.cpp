@@ -151,6 +151,12 @@ TeacherLevel parse_teacher_level(const std::string& name) {
   throw_usage("there is no level of errors called " + name, "use low, medium, high, base or small");
 }
 
+std::vector<std::string> teacher_level_names() {
+  std::vector<std::string> names;
+  for (const TeacherLevel level : kTeacherLevels) names.emplace_back(teacher_level_name(level));
+  return names;
+}
+
 std::optional<PublishedGeometry> published_geometry(TeacherLevel level) {
   if (level == TeacherLevel::kMedium) return PublishedGeometry{"VGGT-1B", 0.700, 0.105};
   if (level == TeacherLevel::kBase) return PublishedGeometry{"DA3-Base", 0.566, 0.159};

@@ -21,6 +21,8 @@ constexpr TeacherLevel kTeacherLevels[] = {TeacherLevel::kLow, TeacherLevel::kMe
 const char* teacher_level_name(TeacherLevel level);         ///< "low", "medium", "high", "base", "small"
 TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} for another name
 
+std::vector<std::string> teacher_level_names();  ///< of kTeacherLevels, in that order
+
 /// Published figures of the network that a level imitates (SpatialBench, means over 19 data sets, sparse views).
 struct PublishedGeometry {
   const char* network = "";

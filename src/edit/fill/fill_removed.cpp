@@ -29,7 +29,7 @@ class Filler {
         parts_(connected_parts(input.room, input.selected)),
         hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent),
         tree_(removed_points()) {
-    planes_ = room_planes(room_, classes_, input_.selected, inside());
+    planes_ = room_planes(room_, classes_, input_.selected, place_inside(room_, input_.cameras));
     gone_ = input_.selected;
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
   }
@@ -71,17 +71,6 @@ class Filler {
       removed_rows_.push_back(i);
     }
     return points;
-  }
-  /// A place in the room: the mean place of the cameras, or of everything.
-  Vec3d inside() const {
-    Vec3d sum;
-    if (!input_.cameras.empty()) {
-      for (const Camera& c : input_.cameras) sum += c.centre() * (1.0 / static_cast<double>(input_.cameras.size()));
-      return sum;
-    }
-    for (size_t i = 0; i < room_.model.size(); ++i)
-      sum += position_of(room_.model, i) * (1.0 / static_cast<double>(room_.model.size()));
-    return sum;
   }
   bool touches(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
     std::vector<double> heights;

@@ -24,6 +24,17 @@ PlaneSettings plane_settings(const RoomPlaneSettings& settings) {
 
 }  // namespace
 
+Vec3d place_inside(const LabelledGaussians& room, const std::vector<Camera>& cameras) {
+  Vec3d sum;
+  if (!cameras.empty()) {
+    for (const Camera& c : cameras) sum += c.centre() * (1.0 / static_cast<double>(cameras.size()));
+    return sum;
+  }
+  for (size_t i = 0; i < room.model.size(); ++i)
+    sum += position_of(room.model, i) * (1.0 / static_cast<double>(room.model.size()));
+  return sum;
+}
+
 std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vector<CarryingClass>& classes,
                                    const std::vector<uint8_t>& left_out, const Vec3d& inside,
                                    const RoomPlaneSettings& settings) {

@@ -7,6 +7,7 @@
 #include "edit/fill/carrying_classes.h"
 #include "edit/fill/plane_grid.h"
 #include "edit/selection.h"
+#include "scene/camera.h"
 
 namespace aligngs {
 
@@ -24,7 +25,10 @@ struct RoomPlaneSettings {
   float solid = 0.3f;  ///< opacity of a Gaussian that is part of a surface
 };
 
-/// `inside` is a place in the room, e.g. the mean place of the cameras. `left_out` marks rows that say nothing: those
+/// A place in the room: the mean place of the cameras, or of the Gaussians where no camera is known.
+Vec3d place_inside(const LabelledGaussians& room, const std::vector<Camera>& cameras);
+
+/// `inside` is a place in the room (place_inside). `left_out` marks rows that say nothing: those
 /// that go. The same for the same room.
 std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vector<CarryingClass>& classes,
                                    const std::vector<uint8_t>& left_out, const Vec3d& inside,
