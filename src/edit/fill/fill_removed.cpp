@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
+#include "edit/fill/footprint.h"
 #include "edit/fill/hidden_places.h"
+#include "edit/fill/hole_gaps.h"
 #include "edit/fill/plane_rectangle.h"
 #include "edit/fill/room_planes.h"
 #include "edit/support_fill.h"
@@ -16,6 +18,8 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kFewestCarriers = 12;  ///< Gaussians that make a surface believable
+
+float brightness(const Vec3f& color) { return (color.x + color.y + color.z) / 3; }
 
 /// The room, what goes, and all that filling asks of both.
 class Filler {
@@ -68,7 +72,6 @@ class Filler {
     for (uint32_t i = 0; i < input_.selected.size(); ++i) {
       if (!input_.selected[i]) continue;
       points.push_back(position_of(room_.model, i).cast<float>());
-      removed_rows_.push_back(i);
     }
     return points;
   }
@@ -82,13 +85,13 @@ class Filler {
     std::nth_element(heights.begin(), low, heights.end());
     return *low < settings_.touch * extent_;
   }
-  /// Carriers of a surface, without those in the removed object's halo where enough are left.
-  std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers) const {
+  /// Carriers of a surface farther from the removed object than a share of the extent, where enough are.
+  std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers, double halo) const {
     std::vector<uint8_t> apart(carriers.size(), 0);
     for_each(carriers.size(), [&](size_t k) {
       std::vector<PointTree::Neighbour> near;
       tree_.nearest(position_of(room_.model, carriers[k]).cast<float>(), 1, near);
-      apart[k] = near.empty() || near.front().distance > settings_.halo * extent_;
+      apart[k] = near.empty() || near.front().distance > halo * extent_;
     });
     std::vector<uint32_t> out;
     for (size_t k = 0; k < carriers.size(); ++k) {
@@ -131,13 +134,26 @@ class Filler {
     }
     return cover;
   }
+  /// Floor under the removed objects: photos saw it in their shade, if at all.
+  Footprint footprint(const RoomPlane& plane) const {
+    std::vector<uint32_t> rows;
+    for (const std::vector<uint8_t>& part : parts_) {
+      if (plane.kind != PlaneKind::kFloor || !touches(part, plane)) continue;
+      for (uint32_t i = 0; i < part.size(); ++i) {
+        const double height = dot(plane.normal, position_of(room_.model, i)) - plane.offset;
+        if (part[i] && std::fabs(height) < settings_.overhang * extent_) rows.push_back(i);
+      }
+    }
+    return footprint_of(room_.model, rows, plane, settings_.cell_min * extent_, settings_.shadow);
+  }
   std::vector<uint8_t> find_debris() const {
     std::vector<uint8_t> debris(room_.model.size(), 0);
     for (const RoomPlane& plane : planes_) {
-      const std::vector<uint32_t> carriers = clean(plane.carriers);
+      const std::vector<uint32_t> carriers = clean(plane.carriers, settings_.shade);
       std::vector<Vec3f> points;
       for (const uint32_t i : carriers) points.push_back(position_of(room_.model, i).cast<float>());
       const PointTree surface(points);
+      const Footprint under = footprint(plane);
       for_each(debris.size(), [&](size_t i) {
         const uint16_t label = room_.labels.label[i];
         if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() ||
@@ -145,7 +161,7 @@ class Filler {
           return;
         const Vec3d place = position_of(room_.model, i);
         if (nearest_plane(place, plane.kind) != &plane) return;
-        debris[i] = has_color_of_removed(i, surface, carriers) || hidden_.from_all(place);
+        debris[i] = under.holds(place) || is_stain(i, surface, carriers) || hidden_.from_all(place);
       });
     }
     return debris;
@@ -161,20 +177,27 @@ class Filler {
     }
     return best;
   }
-  /// Beside the removed object, and twice as near to its colour as to that of the surface around.
-  bool has_color_of_removed(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers) const {
-    constexpr size_t kAround = 8;  // Gaussians of the surface
+  /// Near the removed object, and not as the surface is farther off: of a colour that it does not have, or in the shade.
+  /// A shade is darker than the colours of the surface's pattern there.
+  bool is_stain(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers) const {
+    constexpr size_t kAround = 32;  // Gaussians of the surface; enough for all colours of a pattern
     std::vector<PointTree::Neighbour> near;
     const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
     tree_.nearest(place, 1, near);
-    if (near.empty() || near.front().distance > settings_.beside * extent_) return false;
-    const float to_object = norm(color - base_color_of(room_.model, removed_rows_[near.front().index]));
+    if (near.empty() || near.front().distance > settings_.shade * extent_) return false;
+    const bool beside = near.front().distance < settings_.beside * extent_;
     surface.nearest(place, kAround, near);
-    Vec3f mean;
-    for (const PointTree::Neighbour& n : near)
-      mean += base_color_of(room_.model, carriers[n.index]) * (1.f / static_cast<float>(near.size()));
-    const float to_surface = norm(color - mean);
-    return to_surface > settings_.unlike && 2 * to_object < to_surface;
+    std::vector<float> brightnesses;
+    float least_distance = 1;
+    for (const PointTree::Neighbour& n : near) {
+      const Vec3f around = base_color_of(room_.model, carriers[n.index]);
+      brightnesses.push_back(brightness(around));
+      least_distance = std::min(least_distance, norm(color - around));
+    }
+    const auto dark =
+        brightnesses.begin() + static_cast<std::ptrdiff_t>(brightnesses.size() / 8);  // below: other stains
+    std::nth_element(brightnesses.begin(), dark, brightnesses.end());
+    return (beside && least_distance > settings_.unlike) || brightness(color) < settings_.shaded * *dark;
   }
 
   std::vector<SupportPatch> fill_shell(const RoomPlane& plane) const {
@@ -200,20 +223,23 @@ class Filler {
       }
     }
     const double tolerance = settings_.tolerance * extent_;
-    std::vector<uint8_t> hole(grid.size(), 0);
+    std::vector<uint8_t> hole(grid.size(), 0), closed(grid.size(), 0);
     for_each(
         static_cast<size_t>(grid.rows),
         [&](size_t row) {
           const int j = static_cast<int>(row);
           for (int i = 0; i < grid.columns; ++i) {
             const size_t at = grid.index(i, j);
-            if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
             const Vec3d place = grid.at(i + 0.5, j + 0.5);
-            if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
+            closed[at] = cover[at] >= settings_.covered || open[at] > settings_.shadow ||
+                         !is_inside(place, planes_, tolerance, settings_.opening * extent_);
+            if (closed[at]) continue;
             hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
           }
         },
         1);
+    const double gap = settings_.gap * extent_ / grid.cell;
+    close_gaps(grid, closed, static_cast<size_t>(gap * gap), hole);
     return patches_of(plane, grid, hole);
   }
 
@@ -237,10 +263,10 @@ class Filler {
             hole[at] = 0;
           }
         }
-        patches.push_back(make_patch(room_, grid, part, clean(rows)));
+        patches.push_back(make_patch(room_, grid, part, clean(rows, settings_.halo)));
       }
     }
-    patches.push_back(make_patch(room_, grid, hole, clean(plane.carriers)));
+    patches.push_back(make_patch(room_, grid, hole, clean(plane.carriers, settings_.halo)));
     return patches;
   }
 
@@ -293,7 +319,7 @@ class Filler {
               object[at] > settings_.shadow && cover[at] < settings_.covered && bounds.holds({i + 0.5, j + 0.5}, 1);
         }
       }
-      patches.push_back(make_patch(room_, grid, hole, clean(rows)));
+      patches.push_back(make_patch(room_, grid, hole, clean(rows, settings_.halo)));
     }
     return patches;
   }
@@ -305,7 +331,6 @@ class Filler {
   std::vector<CarryingClass> classes_;
   std::vector<std::vector<uint8_t>> parts_;
   HiddenPlaces hidden_;
-  std::vector<uint32_t> removed_rows_;
   PointTree tree_;             ///< over the removed rows
   std::vector<uint8_t> gone_;  ///< selected, and debris
   std::vector<RoomPlane> planes_;

@@ -25,9 +25,13 @@ struct FillInput {
 struct FillSettings {
   double touch = 0.05;       ///< an object that comes this near to a plane touches it (15 cm)
   double tolerance = 0.010;  ///< distance from a plane within which a Gaussian lies on it (3 cm)
+  double overhang = 0.12;    ///< the floor is in the shade of parts that are no higher above it (36 cm)
   double halo = 0.013;       ///< colours nearer to the removed object are not used: its shade and its blur (4 cm)
+  double shade = 0.06;       ///< an object's shade reaches this far on a surface (18 cm)
+  float shaded = 0.85f;      ///< brightness of a shade, relative to the dark colours of the surface farther off
   double beside = 0.02;      ///< debris is this near to the object (6 cm)
   float unlike = 0.1f;       ///< sRGB distance (norm over 3 channels) of a colour that a surface does not have
+  double gap = 0.1;          ///< edge of the largest gap in a fill that is closed, as a square (30 cm)
   double opening = 0.08;     ///< a window or door this near to a wall is an opening in it (25 cm)
   double cell_min = 0.005, cell_max = 0.012;  ///< edge of a cell (1.5 to 4 cm)
   double cube = 0.013;                        ///< edge of the cubes that tell what hides what (4 cm)

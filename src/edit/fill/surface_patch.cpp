@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/spherical_harmonics.h"
+#include "edit/fill/repeated_texture.h"
 #include "edit/fill/surface_colors.h"
 #include "gaussians/gaussian_geometry.h"
 
@@ -11,6 +12,9 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kPatchColorNumbers = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
+constexpr float kLeastSpread = 0.05f;                               // of the harmonic: noise of an even surface
+constexpr double kLight = 0.12;        // / extent: light varies over longer ways, texture over shorter ones (36 cm)
+constexpr double kTextureReach = 0.6;  // / extent: the longest shift of a pattern on itself (1.8 m)
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
   const float* sh = &model.sh[kPatchColorNumbers * i];
@@ -20,8 +24,7 @@ Vec3f constant_of(const GaussianModel& model, size_t i) {
 /// Carriers whose colour is like that of those around them: a stray one of another thing would leave a stain.
 std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::vector<uint32_t>& carriers) {
   constexpr size_t kNeighbours = 12;
-  constexpr float kSpreads = 4;          // median absolute deviations
-  constexpr float kLeastSpread = 0.05f;  // of the harmonic: noise of an even surface
+  constexpr float kSpreads = 4;  // median absolute deviations
   if (carriers.size() <= kNeighbours) return carriers;
   std::vector<Vec3f> points;
   for (const uint32_t i : carriers) points.push_back(position_of(room.model, i).cast<float>());
@@ -45,6 +48,34 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
     if (!stray) out.push_back(carriers[k]);
   }
   return out.empty() ? carriers : out;
+}
+
+std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid& grid,
+                                     const std::vector<uint32_t>& rows) {
+  std::vector<KnownColor> known;
+  for (const uint32_t i : rows)
+    known.push_back({grid.place_of(position_of(model, i)), constant_of(model, i), opacity_of(model, i)});
+  return known;
+}
+
+/// Light continues smoothly from the carriers without strays. A texture continues in phase from all of them: a joint
+/// between tiles has a colour of its own.
+std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const PlaneGrid& grid,
+                               const std::vector<uint32_t>& carriers, const std::vector<uint32_t>& without_strays) {
+  TextureSettings settings;
+  settings.light = kLight * room.extent;
+  settings.reach = kTextureReach * room.extent;
+  settings.least_contrast = kLeastSpread;
+  const std::vector<Vec3f> texture = repeated_texture(grid, known_colors(room.model, grid, carriers), settings);
+  std::vector<KnownColor> known = known_colors(room.model, grid, without_strays);
+  if (texture.empty()) return continued_colors(grid, known);
+  for (KnownColor& k : known) {
+    const int i = static_cast<int>(std::floor(k.place.x)), j = static_cast<int>(std::floor(k.place.y));
+    if (i >= 0 && j >= 0 && i < grid.columns && j < grid.rows) k.color = k.color - texture[grid.index(i, j)];
+  }
+  std::vector<Vec3f> colors = continued_colors(grid, known);
+  for (size_t at = 0; at < colors.size(); ++at) colors[at] += texture[at];
+  return colors;
 }
 
 /// Harmonics of the carriers but for the constant one: how the surface shines, the same everywhere.
@@ -120,14 +151,9 @@ SupportPatch make_patch(const LabelledGaussians& room, const PlaneGrid& grid, co
   patch.gaussians.sh_degree = room.model.sh_degree;
   if (carriers.empty() || std::find(hole.begin(), hole.end(), uint8_t(1)) == hole.end()) return patch;
   const std::vector<uint32_t> rows = without_strays(room, carriers);
-  std::vector<KnownColor> known;
   std::vector<Vec3f> points;
-  for (const uint32_t i : rows) {
-    const Vec3d p = position_of(room.model, i);
-    known.push_back({grid.place_of(p), constant_of(room.model, i), opacity_of(room.model, i)});
-    points.push_back(p.cast<float>());
-  }
-  std::vector<Vec3f> colors = continued_colors(grid, known);
+  for (const uint32_t i : rows) points.push_back(position_of(room.model, i).cast<float>());
+  std::vector<Vec3f> colors = hole_colors(room, grid, carriers, rows);
   const std::vector<float> shine = mean_shine(room.model, rows);
   const PointTree tree(points);
   std::vector<PointTree::Neighbour> near;

@@ -1,0 +1,31 @@
+#include "edit/fill/footprint.h"
+
+#include <cmath>
+
+#include "edit/fill/hole_gaps.h"
+#include "gaussians/gaussian_geometry.h"
+
+namespace aligngs {
+
+bool Footprint::holds(const Vec3d& place) const {
+  if (cells.empty()) return false;
+  const Vec2d at = grid.place_of(place);
+  const int i = static_cast<int>(std::floor(at.x)), j = static_cast<int>(std::floor(at.y));
+  return i >= 0 && j >= 0 && i < grid.columns && j < grid.rows && cells[grid.index(i, j)];
+}
+
+Footprint footprint_of(const GaussianModel& model, const std::vector<uint32_t>& rows, const PlaneOf& plane, double cell,
+                       float least) {
+  Footprint out;
+  if (rows.empty()) return out;
+  std::vector<Vec3d> points;
+  for (const uint32_t i : rows) points.push_back(position_of(model, i));
+  out.grid = grid_over(points, plane, cell, cell);
+  std::vector<float> cover(out.grid.size(), 0.f);
+  for (const uint32_t i : rows) splat(model, i, out.grid, true, cover);
+  for (const float c : cover) out.cells.push_back(c >= least);
+  close_gaps(out.grid, std::vector<uint8_t>(out.grid.size(), 0), out.grid.size(), out.cells);
+  return out;
+}
+
+}  // namespace aligngs
