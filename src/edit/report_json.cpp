@@ -4,30 +4,29 @@
 
 namespace aligngs {
 
-using Json = nlohmann::json;
-
 std::string object_name(const SelectedObject& object, const LabelSet& labels) {
   if (object.label < 0) return "without a class";
   const std::string& name = labels.classes.at(static_cast<size_t>(object.label)).name;
   return object.instance ? name + "#" + std::to_string(object.instance) : name + " (crumbs)";
 }
 
-Json report_json(const EditReport& report, const LabelSet& labels) {
-  Json objects = Json::array();
+nlohmann::json report_json(const EditReport& report, const LabelSet& labels) {
+  nlohmann::json objects = nlohmann::json::array();
   for (const SelectedObject& object : report.objects) {
     objects.push_back({{"object", object_name(object, labels)},
                        {"class_id", object.label},
                        {"instance", object.instance},
                        {"gaussians", object.gaussians}});
   }
-  Json contents = Json::array();
+  nlohmann::json contents = nlohmann::json::array();
   for (const SelectedObject& object : report.contents) contents.push_back(object_name(object, labels));
-  Json parts = Json::array();
+  nlohmann::json parts = nlohmann::json::array();
   for (const SelectedObject& object : report.parts) parts.push_back(object_name(object, labels));
   return {{"edit", report.description},
           {"left_behind", contents},
           {"parts", parts},
-          {"replacement", report.replacement ? Json(object_name(*report.replacement, labels)) : Json(nullptr)},
+          {"replacement",
+           report.replacement ? nlohmann::json(object_name(*report.replacement, labels)) : nlohmann::json(nullptr)},
           {"inserted_gaussians", report.inserted},
           {"objects", objects},
           {"selected_gaussians", report.selected},
@@ -38,7 +37,7 @@ Json report_json(const EditReport& report, const LabelSet& labels) {
           {"selected_vertices", report.selected_vertices},
           {"vertices_before", report.vertices_before},
           {"vertices_after", report.vertices_after},
-          {"threshold", report.threshold > 0 ? Json(report.threshold) : Json(nullptr)}};
+          {"threshold", report.threshold > 0 ? nlohmann::json(report.threshold) : nlohmann::json(nullptr)}};
 }
 
 }  // namespace aligngs

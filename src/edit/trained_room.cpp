@@ -19,7 +19,6 @@
 namespace aligngs {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 namespace {
 
@@ -35,10 +34,10 @@ bool has_finished_room(const fs::path& run, const RunRecord& record) {
 /// Training cameras that moved: cameras.json has them where they ended.
 void apply_written_cameras(const fs::path& file, Scene& scene) {
   if (!fs::exists(file)) return;
-  const Json cameras = parse_json(read_file(file, kMostCameras));
-  std::map<std::string, const Json*> named;
+  const nlohmann::json cameras = parse_json(read_file(file, kMostCameras));
+  std::map<std::string, const nlohmann::json*> named;
   try {
-    for (const Json& camera : cameras) named[camera.at("img_name").get<std::string>()] = &camera;
+    for (const nlohmann::json& camera : cameras) named[camera.at("img_name").get<std::string>()] = &camera;
     for (const int v : scene.train) {
       View& view = scene.views[static_cast<size_t>(v)];
       const auto it = named.find(view.name);
@@ -52,7 +51,7 @@ void apply_written_cameras(const fs::path& file, Scene& scene) {
       }
       view.camera.world_to_camera = pose.inverse();
     }
-  } catch (const Json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     throw_bad_input(file, "cameras", "a camera has no name, place or rotation",
                     "write it again: aligngs train ... --resume");
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
@@ -34,6 +35,7 @@ class Filler {
         hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent),
         tree_(removed_points()) {
     planes_ = room_planes(room_, classes_, input_.selected, place_inside(room_, input_.cameras));
+    standing_.emplace(standing_points());
     gone_ = input_.selected;
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
   }
@@ -75,7 +77,8 @@ class Filler {
     }
     return points;
   }
-  bool touches(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
+  /// A part reaches a plane to within a share of the extent.
+  bool reaches(const std::vector<uint8_t>& part, const RoomPlane& plane, double distance) const {
     std::vector<double> heights;
     for (size_t i = 0; i < part.size(); ++i) {
       if (part[i]) heights.push_back(dot(plane.normal, position_of(room_.model, i)) - plane.offset);
@@ -83,7 +86,11 @@ class Filler {
     constexpr double kLowest = 0.05;  // share of the part: strays below do not touch
     const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kLowest * static_cast<double>(heights.size()));
     std::nth_element(heights.begin(), low, heights.end());
-    return *low < settings_.touch * extent_;
+    return !heights.empty() && *low < distance * extent_;
+  }
+  /// Furniture, also where nobody saw its legs.
+  bool stands_on(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
+    return plane.kind == PlaneKind::kFloor && reaches(part, plane, settings_.overhang);
   }
   /// Carriers of a surface farther from the removed object than a share of the extent, where enough are.
   std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers, double halo) const {
@@ -138,7 +145,7 @@ class Filler {
   Footprint footprint(const RoomPlane& plane) const {
     std::vector<uint32_t> rows;
     for (const std::vector<uint8_t>& part : parts_) {
-      if (plane.kind != PlaneKind::kFloor || !touches(part, plane)) continue;
+      if (!stands_on(part, plane)) continue;
       for (uint32_t i = 0; i < part.size(); ++i) {
         const double height = dot(plane.normal, position_of(room_.model, i)) - plane.offset;
         if (part[i] && std::fabs(height) < settings_.overhang * extent_) rows.push_back(i);
@@ -177,16 +184,17 @@ class Filler {
     }
     return best;
   }
-  /// Near the removed object, and not as the surface is farther off: of a colour that it does not have, or in the shade.
-  /// A shade is darker than the colours of the surface's pattern there.
+  /// Near the removed object, and not as the surface is farther off: of a colour that it does not have, or in the shade
+  /// of furniture. A shade is darker than the colours of the surface's pattern there.
   bool is_stain(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers) const {
     constexpr size_t kAround = 32;  // Gaussians of the surface; enough for all colours of a pattern
-    std::vector<PointTree::Neighbour> near;
     const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
-    tree_.nearest(place, 1, near);
-    if (near.empty() || near.front().distance > settings_.shade * extent_) return false;
-    const bool beside = near.front().distance < settings_.beside * extent_;
+    const bool beside = is_near(tree_, place, settings_.beside);
+    const bool shaded = is_near(*standing_, place, settings_.shade);
+    if (!beside && !shaded) return false;
+    std::vector<PointTree::Neighbour> near;
     surface.nearest(place, kAround, near);
+    if (near.empty()) return false;
     std::vector<float> brightnesses;
     float least_distance = 1;
     for (const PointTree::Neighbour& n : near) {
@@ -197,7 +205,24 @@ class Filler {
     const auto dark =
         brightnesses.begin() + static_cast<std::ptrdiff_t>(brightnesses.size() / 8);  // below: other stains
     std::nth_element(brightnesses.begin(), dark, brightnesses.end());
-    return (beside && least_distance > settings_.unlike) || brightness(color) < settings_.shaded * *dark;
+    return (beside && least_distance > settings_.unlike) || (shaded && brightness(color) < settings_.shaded * *dark);
+  }
+  bool is_near(const PointTree& tree, const Vec3f& place, double reach) const {
+    std::vector<PointTree::Neighbour> near;
+    tree.nearest(place, 1, near);
+    return !near.empty() && near.front().distance <= reach * extent_;
+  }
+  /// Gaussians of the removed objects that stand on the floor.
+  std::vector<Vec3f> standing_points() const {
+    std::vector<Vec3f> points;
+    for (const std::vector<uint8_t>& part : parts_) {
+      const bool stands =
+          std::any_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) { return stands_on(part, plane); });
+      for (size_t i = 0; stands && i < part.size(); ++i) {
+        if (part[i]) points.push_back(position_of(room_.model, i).cast<float>());
+      }
+    }
+    return points;
   }
 
   std::vector<SupportPatch> fill_shell(const RoomPlane& plane) const {
@@ -205,7 +230,7 @@ class Filler {
     for (const uint32_t i : plane.carriers) points.push_back(position_of(room_.model, i));
     std::vector<const std::vector<uint8_t>*> touching;
     for (const std::vector<uint8_t>& part : parts_) {
-      if (!touches(part, plane)) continue;
+      if (!reaches(part, plane, settings_.touch)) continue;
       touching.push_back(&part);
       for (size_t i = 0; i < part.size(); ++i) {
         if (part[i]) points.push_back(position_of(room_.model, i));
@@ -331,8 +356,9 @@ class Filler {
   std::vector<CarryingClass> classes_;
   std::vector<std::vector<uint8_t>> parts_;
   HiddenPlaces hidden_;
-  PointTree tree_;             ///< over the removed rows
-  std::vector<uint8_t> gone_;  ///< selected, and debris
+  PointTree tree_;                     ///< over the removed rows
+  std::optional<PointTree> standing_;  ///< over those of objects that stand on the floor
+  std::vector<uint8_t> gone_;          ///< selected, and debris
   std::vector<RoomPlane> planes_;
   std::vector<int> openings_;  ///< classes
 };

@@ -13,6 +13,7 @@ struct KnownColor {
   Vec2d place;
   Vec3f color;  ///< any linear coding, e.g. the constant spherical harmonic
   float weight = 1;
+  double radius = 0;  ///< cells: standard deviation of what it covers; 0: its own cell alone
 };
 
 /// A colour for each cell of the grid: near known colours their mean, elsewhere a smooth surface through them. It is a

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/spherical_harmonics.h"
+#include "edit/fill/quilted_texture.h"
 #include "edit/fill/repeated_texture.h"
 #include "edit/fill/surface_colors.h"
 #include "gaussians/gaussian_geometry.h"
@@ -14,6 +15,10 @@ namespace {
 constexpr size_t kPatchColorNumbers = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
 constexpr float kLeastSpread = 0.05f;                               // of the harmonic: noise of an even surface
 constexpr double kLight = 0.12;        // / extent: light varies over longer ways, texture over shorter ones (36 cm)
+constexpr double kMeanWidth = 0.7;     // of a Gaussian in its disc, relative to its longest axis
+constexpr double kNarrowest = 0.5;     // cells: a pixel's width is in every splat
+constexpr double kPiece = 0.12;        // / extent: edge of a piece of texture (36 cm)
+constexpr float kStrength = 1;         // of pieces that are like the surface, and are not the surface that was there
 constexpr double kTextureReach = 0.6;  // / extent: the longest shift of a pattern on itself (1.8 m)
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
@@ -53,20 +58,42 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
 std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid& grid,
                                      const std::vector<uint32_t>& rows) {
   std::vector<KnownColor> known;
-  for (const uint32_t i : rows)
-    known.push_back({grid.place_of(position_of(model, i)), constant_of(model, i), opacity_of(model, i)});
+  for (const uint32_t i : rows) {
+    const float* s = &model.log_scales[3 * i];
+    const double widest = std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
+    known.push_back({grid.place_of(position_of(model, i)), constant_of(model, i), opacity_of(model, i),
+                     std::max(kNarrowest, kMeanWidth * widest / grid.cell)});
+  }
   return known;
 }
 
-/// Light continues smoothly from the carriers without strays. A texture continues in phase from all of them: a joint
-/// between tiles has a colour of its own.
-std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const PlaneGrid& grid,
-                               const std::vector<uint32_t>& carriers, const std::vector<uint32_t>& without_strays) {
+/// Texture of the cells of a hole, and of the known cells as far as a pattern predicts them; empty for an even surface.
+std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
+                                const std::vector<KnownColor>& known) {
+  TextureMapSettings map_settings;
+  map_settings.light = kLight * room.extent;
+  const TextureMap map = texture_map(grid, known, map_settings);
+  if (contrast_of(map) < kLeastSpread) return {};
   TextureSettings settings;
-  settings.light = kLight * room.extent;
-  settings.reach = kTextureReach * room.extent;
-  settings.least_contrast = kLeastSpread;
-  const std::vector<Vec3f> texture = repeated_texture(grid, known_colors(room.model, grid, carriers), settings);
+  settings.reach = static_cast<int>(kTextureReach * room.extent / grid.cell);
+  std::vector<Vec3f> texture = repeated_texture(map, settings);
+  QuiltSettings quilt;
+  quilt.piece = std::max(8, static_cast<int>(kPiece * room.extent / grid.cell));
+  quilt.overlap = quilt.piece / 3;
+  const std::vector<Vec3f> pieces = quilted_texture(map, hole, texture, quilt);
+  if (pieces.empty()) return texture;
+  texture.resize(grid.size());
+  for (size_t at = 0; at < texture.size(); ++at) {
+    if (hole[at]) texture[at] = pieces[at] * kStrength;
+  }
+  return texture;
+}
+
+/// Light continues smoothly from the carriers without strays. A texture continues from all of them: a joint between
+/// tiles has a colour of its own.
+std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
+                               const std::vector<uint32_t>& carriers, const std::vector<uint32_t>& without_strays) {
+  const std::vector<Vec3f> texture = hole_texture(room, grid, hole, known_colors(room.model, grid, carriers));
   std::vector<KnownColor> known = known_colors(room.model, grid, without_strays);
   if (texture.empty()) return continued_colors(grid, known);
   for (KnownColor& k : known) {
@@ -153,7 +180,7 @@ SupportPatch make_patch(const LabelledGaussians& room, const PlaneGrid& grid, co
   const std::vector<uint32_t> rows = without_strays(room, carriers);
   std::vector<Vec3f> points;
   for (const uint32_t i : rows) points.push_back(position_of(room.model, i).cast<float>());
-  std::vector<Vec3f> colors = hole_colors(room, grid, carriers, rows);
+  std::vector<Vec3f> colors = hole_colors(room, grid, hole, carriers, rows);
   const std::vector<float> shine = mean_shine(room.model, rows);
   const PointTree tree(points);
   std::vector<PointTree::Neighbour> near;
