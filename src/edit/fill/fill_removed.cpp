@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
@@ -12,6 +11,7 @@
 #include "edit/fill/hole_gaps.h"
 #include "edit/fill/plane_rectangle.h"
 #include "edit/fill/room_planes.h"
+#include "edit/fill/stains.h"
 #include "edit/support_fill.h"
 #include "gaussians/gaussian_geometry.h"
 
@@ -19,8 +19,6 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kFewestCarriers = 12;  ///< Gaussians that make a surface believable
-
-float brightness(const Vec3f& color) { return (color.x + color.y + color.z) / 3; }
 
 /// The room, what goes, and all that filling asks of both.
 class Filler {
@@ -33,9 +31,8 @@ class Filler {
         classes_(carrying_classes(input.labels)),
         parts_(connected_parts(input.room, input.selected)),
         hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent),
-        tree_(removed_points()) {
-    planes_ = room_planes(room_, classes_, input_.selected, place_inside(room_, input_.cameras));
-    standing_.emplace(standing_points());
+        planes_(room_planes(room_, classes_, input_.selected, place_inside(room_, input_.cameras))),
+        stains_(room_, points_of(input.selected), furniture_points(), settings) {
     gone_ = input_.selected;
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
   }
@@ -69,11 +66,21 @@ class Filler {
     else
       chunk(0, count, 0);
   }
-  std::vector<Vec3f> removed_points() {
+  std::vector<Vec3f> points_of(const std::vector<uint8_t>& rows) const {
     std::vector<Vec3f> points;
-    for (uint32_t i = 0; i < input_.selected.size(); ++i) {
-      if (!input_.selected[i]) continue;
-      points.push_back(position_of(room_.model, i).cast<float>());
+    for (size_t i = 0; i < rows.size(); ++i) {
+      if (rows[i]) points.push_back(position_of(room_.model, i).cast<float>());
+    }
+    return points;
+  }
+  std::vector<Vec3f> furniture_points() const {
+    std::vector<Vec3f> points;
+    for (const std::vector<uint8_t>& part : parts_) {
+      const bool rests =
+          std::any_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) { return rests_on(part, plane); });
+      if (!rests) continue;
+      const std::vector<Vec3f> more = points_of(part);
+      points.insert(points.end(), more.begin(), more.end());
     }
     return points;
   }
@@ -89,17 +96,14 @@ class Filler {
     return !heights.empty() && *low < distance * extent_;
   }
   /// Furniture, also where nobody saw its legs.
-  bool stands_on(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
+  bool rests_on(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
     return plane.kind == PlaneKind::kFloor && reaches(part, plane, settings_.overhang);
   }
   /// Carriers of a surface farther from the removed object than a share of the extent, where enough are.
   std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers, double halo) const {
     std::vector<uint8_t> apart(carriers.size(), 0);
-    for_each(carriers.size(), [&](size_t k) {
-      std::vector<PointTree::Neighbour> near;
-      tree_.nearest(position_of(room_.model, carriers[k]).cast<float>(), 1, near);
-      apart[k] = near.empty() || near.front().distance > halo * extent_;
-    });
+    for_each(carriers.size(),
+             [&](size_t k) { apart[k] = !stains_.is_beside(position_of(room_.model, carriers[k]), halo); });
     std::vector<uint32_t> out;
     for (size_t k = 0; k < carriers.size(); ++k) {
       if (apart[k]) out.push_back(carriers[k]);
@@ -145,7 +149,7 @@ class Filler {
   Footprint footprint(const RoomPlane& plane) const {
     std::vector<uint32_t> rows;
     for (const std::vector<uint8_t>& part : parts_) {
-      if (!stands_on(part, plane)) continue;
+      if (!rests_on(part, plane)) continue;
       for (uint32_t i = 0; i < part.size(); ++i) {
         const double height = dot(plane.normal, position_of(room_.model, i)) - plane.offset;
         if (part[i] && std::fabs(height) < settings_.overhang * extent_) rows.push_back(i);
@@ -156,10 +160,7 @@ class Filler {
   std::vector<uint8_t> find_debris() const {
     std::vector<uint8_t> debris(room_.model.size(), 0);
     for (const RoomPlane& plane : planes_) {
-      const std::vector<uint32_t> carriers = clean(plane.carriers, settings_.shade);
-      std::vector<Vec3f> points;
-      for (const uint32_t i : carriers) points.push_back(position_of(room_.model, i).cast<float>());
-      const PointTree surface(points);
+      const Stains::Surface surface = stains_.surface_of(clean(plane.carriers, settings_.shade));
       const Footprint under = footprint(plane);
       for_each(debris.size(), [&](size_t i) {
         const uint16_t label = room_.labels.label[i];
@@ -168,7 +169,7 @@ class Filler {
           return;
         const Vec3d place = position_of(room_.model, i);
         if (nearest_plane(place, plane.kind) != &plane) return;
-        debris[i] = under.holds(place) || is_stain(i, surface, carriers) || hidden_.from_all(place);
+        debris[i] = under.holds(place) || stains_.is_stain(i, surface) || hidden_.from_all(place);
       });
     }
     return debris;
@@ -184,47 +185,6 @@ class Filler {
     }
     return best;
   }
-  /// Near the removed object, and not as the surface is farther off: of a colour that it does not have, or in the shade
-  /// of furniture. A shade is darker than the colours of the surface's pattern there.
-  bool is_stain(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers) const {
-    constexpr size_t kAround = 32;  // Gaussians of the surface; enough for all colours of a pattern
-    const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
-    const bool beside = is_near(tree_, place, settings_.beside);
-    const bool shaded = is_near(*standing_, place, settings_.shade);
-    if (!beside && !shaded) return false;
-    std::vector<PointTree::Neighbour> near;
-    surface.nearest(place, kAround, near);
-    if (near.empty()) return false;
-    std::vector<float> brightnesses;
-    float least_distance = 1;
-    for (const PointTree::Neighbour& n : near) {
-      const Vec3f around = base_color_of(room_.model, carriers[n.index]);
-      brightnesses.push_back(brightness(around));
-      least_distance = std::min(least_distance, norm(color - around));
-    }
-    const auto dark =
-        brightnesses.begin() + static_cast<std::ptrdiff_t>(brightnesses.size() / 8);  // below: other stains
-    std::nth_element(brightnesses.begin(), dark, brightnesses.end());
-    return (beside && least_distance > settings_.unlike) || (shaded && brightness(color) < settings_.shaded * *dark);
-  }
-  bool is_near(const PointTree& tree, const Vec3f& place, double reach) const {
-    std::vector<PointTree::Neighbour> near;
-    tree.nearest(place, 1, near);
-    return !near.empty() && near.front().distance <= reach * extent_;
-  }
-  /// Gaussians of the removed objects that stand on the floor.
-  std::vector<Vec3f> standing_points() const {
-    std::vector<Vec3f> points;
-    for (const std::vector<uint8_t>& part : parts_) {
-      const bool stands =
-          std::any_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) { return stands_on(part, plane); });
-      for (size_t i = 0; stands && i < part.size(); ++i) {
-        if (part[i]) points.push_back(position_of(room_.model, i).cast<float>());
-      }
-    }
-    return points;
-  }
-
   std::vector<SupportPatch> fill_shell(const RoomPlane& plane) const {
     std::vector<Vec3d> points;
     for (const uint32_t i : plane.carriers) points.push_back(position_of(room_.model, i));
@@ -356,10 +316,9 @@ class Filler {
   std::vector<CarryingClass> classes_;
   std::vector<std::vector<uint8_t>> parts_;
   HiddenPlaces hidden_;
-  PointTree tree_;                     ///< over the removed rows
-  std::optional<PointTree> standing_;  ///< over those of objects that stand on the floor
-  std::vector<uint8_t> gone_;          ///< selected, and debris
   std::vector<RoomPlane> planes_;
+  Stains stains_;
+  std::vector<uint8_t> gone_;  ///< selected, and debris
   std::vector<int> openings_;  ///< classes
 };
 

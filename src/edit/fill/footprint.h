@@ -16,8 +16,9 @@ struct Footprint {
   bool holds(const Vec3d& place) const;
 };
 
-/// Of some rows of a model on a plane; cells have the edge `cell`, scene units. A cell is under the object where the
-/// rows have an accumulated opacity of `least`, or where such cells enclose it: nobody saw the underside of a chest.
+/// The footprint of some rows of a model on a plane; cells have the edge `cell`, scene units. A cell is under the object
+/// where the rows have an accumulated opacity of `least`. So is one that such cells enclose: nobody saw the underside
+/// of a chest.
 Footprint footprint_of(const GaussianModel& model, const std::vector<uint32_t>& rows, const PlaneOf& plane, double cell,
                        float least);
 

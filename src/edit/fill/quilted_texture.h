@@ -14,8 +14,8 @@ struct QuiltSettings {
   float guide_share = 0.5;  ///< weight of the distance to the guide, beside that to what is there
 };
 
-/// Texture of the cells marked in `hole`; 0 elsewhere. Pieces of the known texture are laid one beside the other, each
-/// the one that fits best to what is there already (Efros and Freeman 2001, image quilting; seams are faded). `guide` is
+/// Texture of the cells marked in `hole`; 0 elsewhere. Pieces of the known texture are laid one beside the other. Each
+/// is the one that fits best to what is there already (Efros and Freeman 2001, image quilting). `guide` is
 /// a texture that the pieces shall resemble, such as a pattern in phase; it may be empty. The result is empty where the
 /// known texture has no whole piece.
 std::vector<Vec3f> quilted_texture(const TextureMap& map, const std::vector<uint8_t>& hole,

@@ -1,0 +1,54 @@
+#include "edit/fill/stains.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "gaussians/gaussian_geometry.h"
+
+namespace aligngs {
+namespace {
+
+constexpr size_t kAround = 32;  ///< Gaussians of a surface; enough for all colours of a pattern
+constexpr size_t kStained = 8;  ///< one in so many of them may be a stain of something else
+
+float brightness(const Vec3f& color) { return (color.x + color.y + color.z) / 3; }
+
+}  // namespace
+
+Stains::Stains(const LabelledGaussians& room, std::vector<Vec3f> removed, std::vector<Vec3f> furniture,
+               const FillSettings& settings)
+    : room_(room), settings_(settings), removed_(std::move(removed)), furniture_(std::move(furniture)) {}
+
+Stains::Surface Stains::surface_of(std::vector<uint32_t> rows) const {
+  std::vector<Vec3f> points;
+  for (const uint32_t i : rows) points.push_back(position_of(room_.model, i).cast<float>());
+  return {std::move(rows), PointTree(std::move(points))};
+}
+
+bool Stains::is_near(const PointTree& tree, const Vec3f& place, double share) const {
+  std::vector<PointTree::Neighbour> near;
+  tree.nearest(place, 1, near);
+  return !near.empty() && near.front().distance <= share * room_.extent;
+}
+
+bool Stains::is_stain(size_t row, const Surface& surface) const {
+  const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
+  const bool beside = is_near(removed_, place, settings_.beside);
+  const bool shaded = is_near(furniture_, place, settings_.shade);
+  if (!beside && !shaded) return false;
+  std::vector<PointTree::Neighbour> near;
+  surface.tree.nearest(place, kAround, near);
+  if (near.empty()) return false;
+  std::vector<float> brightnesses;
+  float least_distance = 1;
+  for (const PointTree::Neighbour& n : near) {
+    const Vec3f around = base_color_of(room_.model, surface.rows[n.index]);
+    brightnesses.push_back(brightness(around));
+    least_distance = std::min(least_distance, norm(color - around));
+  }
+  const auto dark = brightnesses.begin() + static_cast<std::ptrdiff_t>(brightnesses.size() / kStained);
+  std::nth_element(brightnesses.begin(), dark, brightnesses.end());
+  return (beside && least_distance > settings_.unlike) || (shaded && brightness(color) < settings_.shaded * *dark);
+}
+
+}  // namespace aligngs
