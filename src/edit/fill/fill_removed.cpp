@@ -208,7 +208,7 @@ class Filler {
       }
     }
     const double tolerance = settings_.tolerance * extent_;
-    std::vector<uint8_t> hole(grid.size(), 0), closed(grid.size(), 0);
+    std::vector<uint8_t> hole(grid.size(), 0), closed(grid.size(), 0), barred(grid.size(), 0);
     for_each(
         static_cast<size_t>(grid.rows),
         [&](size_t row) {
@@ -216,8 +216,9 @@ class Filler {
           for (int i = 0; i < grid.columns; ++i) {
             const size_t at = grid.index(i, j);
             const Vec3d place = grid.at(i + 0.5, j + 0.5);
-            closed[at] = cover[at] >= settings_.covered || open[at] > settings_.shadow ||
-                         !is_inside(place, planes_, tolerance, settings_.opening * extent_);
+            barred[at] =
+                open[at] > settings_.shadow || !is_inside(place, planes_, tolerance, settings_.opening * extent_);
+            closed[at] = barred[at] || cover[at] >= settings_.covered;
             if (closed[at]) continue;
             hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
           }
@@ -225,7 +226,16 @@ class Filler {
         1);
     const double gap = settings_.gap * extent_ / grid.cell;
     close_gaps(grid, closed, static_cast<size_t>(gap * gap), hole);
-    return patches_of(plane, grid, hole);
+    return patches_of(plane, grid, with_seam(grid, cover, barred, hole));
+  }
+
+  /// The hole and the thin rim of the surface around it, through which the black behind the room would show.
+  std::vector<uint8_t> with_seam(const PlaneGrid& grid, const std::vector<float>& cover,
+                                 const std::vector<uint8_t>& barred, const std::vector<uint8_t>& hole) const {
+    std::vector<uint8_t> wide = widened(widened(hole, grid), grid);
+    for (size_t at = 0; at < wide.size(); ++at)
+      wide[at] = hole[at] || (wide[at] && cover[at] < settings_.thin && !barred[at]);
+    return wide;
   }
 
   /// The hole of a shell plane, divided among the surface itself and the rugs on it.

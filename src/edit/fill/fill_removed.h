@@ -36,7 +36,8 @@ struct FillSettings {
   double cell_min = 0.005, cell_max = 0.012;  ///< edge of a cell (1.5 to 4 cm)
   double cube = 0.013;                        ///< edge of the cubes that tell what hides what (4 cm)
   float covered = 0.6f;                       ///< accumulated opacity of a place that has a surface
-  float shadow = 0.2f;                        ///< accumulated opacity of a place that the object covers
+  float thin = 2;       ///< accumulated opacity below which the black behind the room shines through
+  float shadow = 0.2f;  ///< accumulated opacity of a place that the object covers
 };
 
 struct Filling {

@@ -175,6 +175,26 @@ TEST_F(FillRemoved, TheShadeAroundTheBoxGoesWithIt) {
   EXPECT_EQ(debris_[shaded], 1);
 }
 
+TEST_F(FillRemoved, AThinRimOfTheSurfaceIsFilledToo) {
+  add_floor();
+  for (size_t i = 0; i < model_.size(); ++i) {
+    const float* p = &model_.positions[3 * i];
+    if (std::abs(p[0]) < 0.3f && p[2] > 0.3f && p[2] < 0.8f) model_.opacity_logits[i] = 1;  // opacity 0.73
+  }
+  const auto new_beside = [&] {
+    size_t count = 0;
+    for (const SupportPatch& patch : fill()) {
+      for (size_t i = 0; i < patch.gaussians.size(); ++i) count += std::abs(patch.gaussians.positions[3 * i]) > 0.24f;
+    }
+    return count;
+  };
+  add_box();
+  cameras_.clear();
+  const size_t thin = new_beside();
+  for (float& logit : model_.opacity_logits) logit = 5;
+  EXPECT_GT(thin, new_beside());
+}
+
 TEST_F(FillRemoved, ADarkColourOfTheSurfaceIsNoShade) {
   add_floor();
   for (float x = -1.4f; x < 1.5f; x += 0.05f) {  // dark stripes all over the floor
