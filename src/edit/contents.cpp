@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
+#include "edit/fill/plane_rectangle.h"
 #include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
@@ -46,6 +47,50 @@ std::map<Column, std::vector<double>> heights_of(const LabelledGaussians& room, 
   return out;
 }
 
+/// The top of a thing that goes, as a rectangle at a height. Photos taken from eye level do not show the top of a
+/// wardrobe, so that it has no Gaussians there.
+struct Top {
+  PlaneRectangle rectangle;  ///< in columns
+  double height = 0;         ///< scene units along up
+};
+
+/// Tops of the objects of which most is selected.
+std::vector<Top> tops_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected, const Columns& columns,
+                         const std::vector<Instance>& objects) {
+  constexpr double kStrays = 0.02;  // share of an object's Gaussians that may be higher
+  constexpr size_t kFewest = 20;    // Gaussians that show how large a thing is
+  std::vector<Top> tops;
+  for (const Instance& o : objects) {
+    std::vector<Vec2d> places;
+    std::vector<double> heights;
+    size_t rows = 0, taken = 0;
+    for (size_t i = 0; i < selected.size(); ++i) {
+      if (room.labels.label[i] != o.label || room.labels.instance[i] != o.number) continue;
+      ++rows;
+      taken += selected[i];
+      if (!selected[i] || opacity_of(room.model, i) < kSolid) continue;
+      const Column column = columns.column_of(i);
+      places.push_back({column.first + 0.5, column.second + 0.5});
+      heights.push_back(columns.height_of(i));
+    }
+    if (places.size() < kFewest || 2 * taken < rows) continue;
+    const auto high = heights.end() - 1 - static_cast<std::ptrdiff_t>(kStrays * static_cast<double>(heights.size()));
+    std::nth_element(heights.begin(), high, heights.end());
+    tops.push_back({rectangle_of(places), *high});
+  }
+  return tops;
+}
+
+/// Whether a thing rests on a top: its lowest columns, given with their heights, are over it and near to it.
+bool rests_on(const Top& top, const std::map<Column, double>& lowest, double bottom, double contact) {
+  constexpr double kInside = 0.8;  // share of the columns
+  if (std::fabs(bottom - top.height) > contact) return false;
+  size_t inside = 0;
+  for (const auto& [column, height] : lowest)
+    inside += top.rectangle.holds({column.first + 0.5, column.second + 0.5}, 0.5);
+  return static_cast<double>(inside) >= kInside * static_cast<double>(lowest.size());
+}
+
 }  // namespace
 
 void select_objects(const LabelledGaussians& room, const std::vector<Instance>& objects,
@@ -66,6 +111,7 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
   const double contact = settings.contact * room.extent;
   std::vector<uint8_t> carried = selected;
   const std::vector<Instance> objects = list_instances(room.model, room.labels);
+  const std::vector<Top> tops = tops_of(room, selected, columns, objects);
   for (bool more = true; more;) {  // a book on a tray on a table
     more = false;
     const auto below = heights_of(room, carried, columns);
@@ -96,7 +142,9 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
         const auto above = std::upper_bound(it->second.begin(), it->second.end(), height + 0.3 * contact);
         touching += above != it->second.begin() && height - *std::prev(above) < contact;
       }
-      if (static_cast<double>(touching) < settings.share * static_cast<double>(low)) continue;
+      const bool on_top =
+          std::any_of(tops.begin(), tops.end(), [&](const Top& t) { return rests_on(t, lowest, bottom, contact); });
+      if (!on_top && static_cast<double>(touching) < settings.share * static_cast<double>(low)) continue;
       found.push_back(o);
       select_objects(room, {o}, carried);
       more = true;

@@ -37,6 +37,16 @@ class Contents : public testing::Test {
 
 TEST_F(Contents, AVaseStandsOnTheBox) { EXPECT_THAT(labels_on(small_room::kBox), testing::ElementsAre(kVase)); }
 
+TEST_F(Contents, AVaseStandsOnABoxWhoseTopNoPhotoShows) {
+  LabelledGaussians& room = room_.gaussians;
+  for (uint32_t i = 0; i < room.model.size(); ++i) {  // the top is at 40 cm
+    if (room.labels.label[i] == small_room::kBox && room.model.positions[3 * i + 1] < -0.39f)
+      room.model.opacity_logits[i] = -5;
+  }
+  EXPECT_THAT(labels_on(small_room::kBox), testing::Contains(kVase));
+  EXPECT_THAT(labels_on(small_room::kBox), testing::Not(testing::Contains(kLamp)));
+}
+
 TEST_F(Contents, NothingStandsOnTheVase) { EXPECT_THAT(labels_on(kVase), testing::IsEmpty()); }
 
 TEST_F(Contents, TheirRowsAreAdded) {
