@@ -81,14 +81,13 @@ std::vector<Top> tops_of(const LabelledGaussians& room, const std::vector<uint8_
   return tops;
 }
 
-/// Whether a thing rests on a top: its lowest columns, given with their heights, are over it and near to it.
-bool rests_on(const Top& top, const std::map<Column, double>& lowest, double bottom, double contact) {
-  constexpr double kInside = 0.8;  // share of the columns
+/// Whether a thing rests on a top: a share of its columns is over it, and its lowest place near to it.
+bool rests_on(const Top& top, const std::map<Column, double>& lowest, double bottom, double contact, double share) {
   if (std::fabs(bottom - top.height) > contact) return false;
   size_t inside = 0;
   for (const auto& [column, height] : lowest)
     inside += top.rectangle.holds({column.first + 0.5, column.second + 0.5}, 0.5);
-  return static_cast<double>(inside) >= kInside * static_cast<double>(lowest.size());
+  return static_cast<double>(inside) >= share * static_cast<double>(lowest.size());
 }
 
 }  // namespace
@@ -142,8 +141,8 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
         const auto above = std::upper_bound(it->second.begin(), it->second.end(), height + 0.3 * contact);
         touching += above != it->second.begin() && height - *std::prev(above) < contact;
       }
-      const bool on_top =
-          std::any_of(tops.begin(), tops.end(), [&](const Top& t) { return rests_on(t, lowest, bottom, contact); });
+      const bool on_top = std::any_of(
+          tops.begin(), tops.end(), [&](const Top& t) { return rests_on(t, lowest, bottom, contact, settings.share); });
       if (!on_top && static_cast<double>(touching) < settings.share * static_cast<double>(low)) continue;
       found.push_back(o);
       select_objects(room, {o}, carried);
