@@ -158,7 +158,7 @@ class Filler {
     return footprint_of(room_.model, rows, plane, settings_.cell_min * extent_, settings_.shadow);
   }
   std::vector<uint8_t> find_debris() const {
-    std::vector<uint8_t> debris(room_.model.size(), 0);
+    std::vector<uint8_t> debris = leftovers();
     for (const RoomPlane& plane : planes_) {
       const Stains::Surface surface = stains_.surface_of(clean(plane.carriers, settings_.shade));
       const Footprint under = footprint(plane);
@@ -173,6 +173,28 @@ class Filler {
       });
     }
     return debris;
+  }
+  /// Gaussians that belong to a removed object by their labels, and that a selection leaves out because their neighbours
+  /// belong to another one. Those on walls, floor and ceiling stay: they are of that surface.
+  std::vector<uint8_t> leftovers() const {
+    std::vector<uint8_t> out(room_.model.size(), 0);
+    std::map<std::pair<uint16_t, uint16_t>, std::pair<size_t, size_t>> counts;  // of all rows, and of selected ones
+    const auto object_of = [&](size_t i) { return std::pair{room_.labels.label[i], room_.labels.instance[i]}; };
+    for (size_t i = 0; i < out.size(); ++i) {
+      auto& [all, selected] = counts[object_of(i)];
+      ++all;
+      selected += input_.selected[i];
+    }
+    const double tolerance = settings_.tolerance * extent_;
+    for (size_t i = 0; i < out.size(); ++i) {
+      const auto& [all, selected] = counts[object_of(i)];
+      if (input_.selected[i] || 2 * selected < all || room_.labels.label[i] == kNoLabel) continue;
+      const Vec3d place = position_of(room_.model, i);
+      out[i] = std::none_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) {
+        return std::fabs(dot(plane.normal, place) - plane.offset) < tolerance;
+      });
+    }
+    return out;
   }
   const RoomPlane* nearest_plane(const Vec3d& place, PlaneKind kind) const {
     const RoomPlane* best = nullptr;

@@ -56,6 +56,7 @@ class FillRemoved : public testing::Test {
     for (const size_t row : called_floor_) room_.labels.label[row] = small_room::kFloor;
     selected_.clear();
     for (const uint16_t l : room_.labels.label) selected_.push_back(l == small_room::kBox);
+    for (const size_t row : unselected_) selected_[row] = 0;
     Filling filling = fill_removed({room_, labels, selected_, Vec3d{0, -1, 0}, cameras_});
     debris_ = std::move(filling.debris);
     return std::move(filling.patches);
@@ -86,6 +87,7 @@ class FillRemoved : public testing::Test {
   LabelledGaussians room_;
   std::vector<uint8_t> selected_, debris_;
   std::vector<size_t> called_floor_;  ///< rows whose label is wrong
+  std::vector<size_t> unselected_;    ///< rows of the box that the selection leaves out
   std::vector<Camera> cameras_;
 };
 
@@ -207,6 +209,14 @@ TEST_F(FillRemoved, ADarkColourOfTheSurfaceIsNoShade) {
   cameras_.clear();
   fill();
   EXPECT_EQ(debris_beyond(0.3f), 0u);
+}
+
+TEST_F(FillRemoved, AScrapOfTheBoxInTheAirGoesWithIt) {
+  add_floor();
+  add_box();
+  unselected_ = {model_.size() - 1};
+  fill();
+  EXPECT_EQ(debris_[unselected_[0]], 1);
 }
 
 TEST_F(FillRemoved, ARugContinuesWithinItsRectangle) {
