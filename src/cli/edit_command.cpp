@@ -216,13 +216,14 @@ EditOperation operation_of(const EditOptions& options) {
 
 /// Compares a run that `aligngs edit -o` wrote with the scene's truth without the object.
 void measure_removal(const CommandContext& context, const EditOptions& options) {
-  const OpenRun run = open_run(options.run, {options.scene, context.global.threads});
+  const OpenedRun run = open_run(options.run, options.scene);
+  ThreadPool pool(context.global.threads);
   const std::filesystem::path mesh_file = run.folder / "mesh" / "mesh.ply";
   std::vector<Camera> cameras;
   for (const int view : run.scene.train) cameras.push_back(run.scene.evaluation_cameras[static_cast<size_t>(view)]);
   const RemovalScore s =
       score_removal(run.folder / "renders" / "test" / "rgb", options.truth,
-                    std::filesystem::exists(mesh_file) ? read_mesh_ply(mesh_file) : TriangleMesh(), cameras, *run.pool);
+                    std::filesystem::exists(mesh_file) ? read_mesh_ply(mesh_file) : TriangleMesh(), cameras, pool);
   char text[300];
   std::snprintf(text, sizeof text,
                 "PSNR %.2f dB and SSIM %.3f where %zu test views show the object\n"
@@ -325,7 +326,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   }
   if (!options.output.empty()) {
     const EditReport report = session.write_run(options.output, edit, context.command_line);
-    OpenRun edited = open_run(options.output, {{}, context.global.threads});
+    LoadedRun edited = load_run(options.output, {{}, context.global.threads});
     RenderStageOptions render;
     render.progress = context.progress();
     render_views(edited, render);

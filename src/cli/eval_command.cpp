@@ -55,7 +55,7 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   add_device_option(*command, options->device);
   command->callback([&context, options] {
     const std::vector<LeastValue> least = least_values(options->fail_under);
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
+    LoadedRun run = load_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     EvalStageOptions stage;
     stage.truth_mesh = options->truth;
     stage.mesh = options->mesh;

@@ -111,11 +111,11 @@ class Run {
 };
 
 std::filesystem::path Run::scene_folder() const {
-  if (!resolved_.exists || !std::filesystem::exists(folder_.record())) {
+  if (!resolved_.exists || !resolved_.record) {
     if (options_.scene.empty()) throw_usage("no scene folder is given", "aligngs train SCENE -o RUN");
     return options_.scene;
   }
-  return scene_of_run(folder_.path(), read_run_record(folder_.record()), options_.scene);
+  return scene_of_run(folder_.path(), *resolved_.record, options_.scene);
 }
 
 void Run::warn(const std::string& message) {
@@ -167,8 +167,8 @@ void Run::open_scene_and_check() {
 }
 
 void Run::require_own_scene() const {
-  if (!resolved_.exists || !std::filesystem::exists(folder_.record())) return;
-  const RunRecord record = read_run_record(folder_.record());
+  if (!resolved_.exists || !resolved_.record) return;
+  const RunRecord& record = *resolved_.record;
   std::error_code none;
   const bool begun = !record.trained.empty() || std::filesystem::directory_iterator(folder_.checkpoints(), none) !=
                                                     std::filesystem::directory_iterator();
@@ -178,7 +178,7 @@ void Run::require_own_scene() const {
 
 void Run::prepare_folder() {
   folder_.prepare(mode_of(options_));
-  if (resolved_.exists && std::filesystem::exists(folder_.record())) record_ = read_run_record(folder_.record());
+  if (resolved_.exists && resolved_.record) record_ = *resolved_.record;
   if (record_.started.empty()) record_.started = utc_now();
   record_.status = "running";
   record_.stage = "train";
@@ -358,10 +358,9 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
   const ResolvedRun resolved = resolve_run(options);
   folder.check(mode_of(options));
   if (resolved.finished) {
-    const RunRecord record = read_run_record(folder.record());
-    require_scene_of_finished(options, record);
+    require_scene_of_finished(options, *resolved.record);
     log_info("the run in {} is finished: nothing to do", options.run.string());
-    return result_of_finished(record);
+    return result_of_finished(*resolved.record);
   }
   if (RunControl(options.run).active()) {
     throw Error({ErrorKind::kUsage, "another process is working on this run", options.run, "-o",

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "core/progress.h"
 #include "metrics/run_metrics.h"
 
@@ -21,7 +21,7 @@ struct EvalStageOptions {
 };
 
 /// Measures and writes metrics.json (unless another mesh was given). Parts without truth stay empty, never a substitute.
-RunMetrics evaluate_run(OpenRun& run, const EvalStageOptions& options);
+RunMetrics evaluate_run(LoadedRun& run, const EvalStageOptions& options);
 
 /// A condition of --fail-under.
 struct LeastValue {
