@@ -10,6 +10,7 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/stages/eval_stage.h"
+#include "cli/stages/quality_gate.h"
 #include "cli/summary.h"
 #include "core/error.h"
 #include "metrics/metrics_json.h"

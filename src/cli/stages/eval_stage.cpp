@@ -1,17 +1,10 @@
 #include "cli/stages/eval_stage.h"
 
-#include <fmt/format.h>
-#include <array>
-#include <string_view>
-
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cli/report/json_field.h"
 #include "cli/stages/perceptual_metric.h"
-#include "core/error.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -124,10 +117,10 @@ void measure_views(LoadedRun& run, const EvalStageOptions& options, RunMetrics& 
     metrics.views.push_back(std::move(entry));
     progress.update(metrics.views.size());
   }
-  metrics.views_measured = true;
-  metrics.lpips_note = perceptual.reason().empty()
-                           ? "VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]"
-                           : perceptual.reason();
+  metrics.novel_views =
+      novel_view_metrics(metrics.views, perceptual.reason().empty()
+                                            ? "VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]"
+                                            : perceptual.reason());
   if (labelled) metrics.semantics = confusion.scores();
   if (judged) metrics.teacher = taught.scores();
 }
@@ -168,7 +161,7 @@ TrainingMetrics training_metrics(const LoadedRun& run) {
   TrainingMetrics train;
   const RunRecord& record = run.opened->record;
   train.seconds = record.train.seconds;
-  train.iterations = record.train.iterations;
+  train.iterations = static_cast<uint64_t>(record.train.iterations);
   train.gaussians = record.train.gaussians;
   train.iterations_per_second = record.train.iterations_per_second;
   train.peak_memory_bytes = record.train.peak_memory_bytes;
@@ -190,46 +183,6 @@ RunMetrics evaluate_run(LoadedRun& run, const EvalStageOptions& options) {
   metrics.train = training_metrics(run);
   if (options.mesh.empty()) write_file_atomically(run.folder() / "metrics.json", json_document(metrics_json(metrics)));
   return metrics;
-}
-
-std::vector<LeastValue> least_values(const std::vector<std::string>& conditions) {
-  const std::vector<std::pair<std::string, std::string>> short_names = {
-      {"psnr", "nvs.psnr"}, {"ssim", "nvs.ssim"}, {"fscore", "geometry.fscore"}, {"miou", "semantics.miou"}};
-  std::vector<LeastValue> values;
-  for (const std::string& condition : conditions) {
-    const size_t equals = condition.find('=');
-    char* end = nullptr;
-    const double wanted = equals == std::string::npos ? 0 : std::strtod(condition.c_str() + equals + 1, &end);
-    if (equals == std::string::npos || end == condition.c_str() + equals + 1 || *end != '\0' || !std::isfinite(wanted))
-      throw_usage("--fail-under needs name=number, got \"" + condition + "\"", "for example --fail-under psnr=24");
-    std::string path = condition.substr(0, equals);
-    const auto is_short = [&](const auto& name) { return name.first == path; };
-    const auto known = std::find_if(short_names.begin(), short_names.end(), is_short);
-    if (known != short_names.end()) path = known->second;
-    constexpr std::array<std::string_view, 4> kParts = {"nvs", "geometry", "semantics", "train"};
-    if (std::find(kParts.begin(), kParts.end(), path.substr(0, path.find('.'))) == kParts.end()) {
-      throw_usage("--fail-under: there is no figure \"" + path + "\"",
-                  "names are psnr, ssim, fscore, miou, and those of metrics.json, as geometry.recall");
-    }
-    values.push_back({path, wanted});
-  }
-  return values;
-}
-
-void require_at_least(const RunMetrics& metrics, const std::vector<LeastValue>& values) {
-  if (values.empty()) return;
-  const nlohmann::json document = metrics_json(metrics);  // whose names a person gives
-  for (const auto& [path, least] : values) {
-    const double value = number_at(document, path);
-    if (std::isnan(value)) {
-      throw_usage("--fail-under: this run has no number \"" + path + "\"",
-                  "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
-    }
-    if (value < least) {
-      throw Error(
-          {ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, least), {}, {}, {}});
-    }
-  }
 }
 
 }  // namespace aligngs
