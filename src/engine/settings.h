@@ -31,10 +31,6 @@ enum class SemanticBlend {
   kLogits,        ///< paper: P = sum w s, softmax per pixel
   kProbabilities  ///< our default: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
 };
-/// "logits" or "probabilities", as the setting semantic.blend has them.
-inline SemanticBlend semantic_blend_named(std::string_view name) {
-  return name == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
-}
 
 enum class SemanticCoupling {
   kPlain,  ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
@@ -42,12 +38,6 @@ enum class SemanticCoupling {
   kBounded,
   kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
-/// "plain", "bounded" or "opacity", as the setting semantic.coupling has them.
-inline SemanticCoupling semantic_coupling_named(std::string_view name) {
-  return name == "plain"     ? SemanticCoupling::kPlain
-         : name == "opacity" ? SemanticCoupling::kOpacity
-                             : SemanticCoupling::kBounded;
-}
 /// Whether the coupling is scaled to a share of the photometric gradient and weighted by omega.
 constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != SemanticCoupling::kPlain; }
 

@@ -193,7 +193,7 @@ void plan_photos(const RunRequest& request, const ModelStore& store, RunPlan& pl
 std::string training_reason(const ResolvedRun& resolved) {
   const int64_t end = resolved.config.train.iterations;
   if (!resolved.exists || !resolved.record)
-    return fmt::format("{} iterations with preset {}", end, resolved.config.train.preset);
+    return fmt::format("{} iterations with preset {}", end, word_of(resolved.config.train.preset));
   if (resolved.finished)
     return fmt::format("the training has reached its {} iterations", resolved.record->train.iterations);
   return fmt::format("the training goes on to {} iterations from its newest checkpoint", end);

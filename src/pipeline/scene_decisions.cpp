@@ -25,7 +25,7 @@ Decision by_network(const PublishedModel& model, std::string reason) {
 
 /// Metric prior depth is of use to training.
 bool wants_metric_depth(const TrainConfig& config) {
-  return config.data.prior_depth == "auto" || config.data.prior_depth == "metric";
+  return config.data.prior_depth == PriorDepthUse::kAuto || config.data.prior_depth == PriorDepthUse::kMetric;
 }
 
 }  // namespace

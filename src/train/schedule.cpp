@@ -79,8 +79,8 @@ LossSettings Schedule::losses(int64_t iteration) const {
   l.weight = scheduled_weights(config_, open, share(iteration));
   const int visit = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
   l.semantic_sample = make_semantic_sample(s.pixel_share, visit, facts_.image_side);
-  l.semantic_blend = semantic_blend_named(s.blend);
-  l.coupling = semantic_coupling_named(s.coupling);
+  l.semantic_blend = s.blend;
+  l.coupling = s.coupling;
   const bool coupled = iteration > scaled(s.coupling_start) && iteration <= scaled_stop(s.coupling_stop);
   l.coupling_strength = coupled ? to_float(s.coupling_strength) : 0;
 
@@ -149,8 +149,8 @@ bool Schedule::fits_planes(int64_t iteration) const {
 }
 
 bool Schedule::names_objects(int64_t iteration) const {
-  return facts_.semantics && config_.semantic.object_labels && config_.semantic.blend == "probabilities" &&
-         iteration == config_.train.iterations;
+  return facts_.semantics && config_.semantic.object_labels &&
+         config_.semantic.blend == SemanticBlend::kProbabilities && iteration == config_.train.iterations;
 }
 
 bool Schedule::closes_room(int64_t iteration) const {

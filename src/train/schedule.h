@@ -72,7 +72,7 @@ class Schedule {
 
   DensityRule density_rule(int64_t iteration) const;
   /// densify.strategy is mcmc: McmcRule instead of DensityRule, and noise after every step.
-  bool uses_mcmc() const { return config_.densify.enabled && config_.densify.strategy == "mcmc"; }
+  bool uses_mcmc() const { return config_.densify.enabled && config_.densify.strategy == GrowthStrategy::kMcmc; }
   McmcRule mcmc_rule() const;
   /// Value for the step of this iteration; 0 without mcmc.
   double position_noise(int64_t iteration) const;

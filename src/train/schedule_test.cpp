@@ -305,7 +305,7 @@ TEST(Schedule, ObjectsAreNamedAfterTheLastStepWithBlendedProbabilities) {
   ScheduleFacts unlabelled = room();
   unlabelled.semantics = false;
   EXPECT_FALSE(Schedule(c, unlabelled).names_objects(c.train.iterations));
-  c.semantic.blend = "logits";
+  c.semantic.blend = SemanticBlend::kLogits;
   EXPECT_FALSE(Schedule(c, room()).names_objects(c.train.iterations));
   EXPECT_FALSE(Schedule(paper(), room()).names_objects(paper().train.iterations)) << "off";
 }
@@ -351,7 +351,7 @@ TEST(Schedule, PlanesAreFittedWhereDepthIsMetricAndThereAreLabels) {
 TEST(Schedule, McmcBringsNoiseThatFallsWithTheRateOfPositions) {
   TrainConfig c = standard();
   EXPECT_EQ(Schedule(c, room()).position_noise(10), 0);
-  c.densify.strategy = "mcmc";
+  c.densify.strategy = GrowthStrategy::kMcmc;
   const Schedule s(c, room());
   EXPECT_NEAR(s.position_noise(3500) / s.position_noise(7000),
               s.request(3500).rates.position / s.request(7000).rates.position, 1e-3);

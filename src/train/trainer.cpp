@@ -236,7 +236,7 @@ void Trainer::give_views() {
 RenderOptions Trainer::labelled_rendering(int64_t iteration) const {
   RenderOptions render;
   render.raster = schedule_.request(iteration).raster;
-  render.semantic_blend = semantic_blend_named(in_.config.semantic.blend);
+  render.semantic_blend = in_.config.semantic.blend;
   return render;
 }
 

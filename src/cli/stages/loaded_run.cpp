@@ -30,7 +30,7 @@ LoadOptions LoadedRun::load_options() const {
 RenderOptions LoadedRun::render_options() const {
   RenderOptions options;
   options.raster.near_plane = static_cast<float>(config().train.near_plane * robust_extent(scene()));
-  options.semantic_blend = semantic_blend_named(config().semantic.blend);
+  options.semantic_blend = config().semantic.blend;
   options.labels = has_labels();
   return options;
 }
@@ -52,7 +52,7 @@ LoadedRun load_run(const fs::path& folder, const LoadRunOptions& options) {
   run.engine = options.make_engine ? options.make_engine(options.threads) : make_cpu_engine(options.threads);
   run.pool = std::make_unique<ThreadPool>(options.threads);
   const SemanticConfig& semantic = run.config().semantic;
-  if (semantic.drawn_sharpness > 0 && semantic_blend_named(semantic.blend) == SemanticBlend::kProbabilities) {
+  if (semantic.drawn_sharpness > 0 && semantic.blend == SemanticBlend::kProbabilities) {
     sharpen_label_rows(run.model, robust_extent(run.scene()), semantic.drawn_sharpness, *run.pool);
   }
   run.engine->load(run.model);

@@ -36,11 +36,11 @@ FusionOptions fusion_options(const LoadedRun& run) {
 }
 
 ImageF chosen_depth(const Rendering& rendering, const MeshConfig& mesh) {
-  if (mesh.depth == "agreeing")
+  if (mesh.depth == FusedDepth::kAgreeing)
     return agreeing_depth(rendering.depth_plane, rendering.depth_median, mesh.depth_agreement);
-  return mesh.depth == "plane"      ? rendering.depth_plane
-         : mesh.depth == "expected" ? rendering.depth_expected
-                                    : rendering.depth_median;
+  return mesh.depth == FusedDepth::kPlane      ? rendering.depth_plane
+         : mesh.depth == FusedDepth::kExpected ? rendering.depth_expected
+                                               : rendering.depth_median;
 }
 
 FusionFrame rendered_frame(LoadedRun& run, const Camera& camera, const std::string& name,
