@@ -286,7 +286,6 @@ TrainResult Run::train() {
   if (multi_view) {
     inputs.neighbours = neighbours_of(inputs.guides);
   }
-  engine->limit_classes(static_cast<int>(config_.semantic.active_top));
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
   inputs.load_views = [this](double scale) {
@@ -299,9 +298,9 @@ TrainResult Run::train() {
     views.clear();
     views = inputs.load_views(scale);
   }
-  engine->set_training_views(std::move(views));
+  engine->prepare(
+      {std::move(views), static_cast<int>(config_.semantic.active_top), fresh ? &state.engine.model : nullptr});
   if (fresh) {
-    engine->load(state.engine.model);
     inputs.facts.max_gaussians = state.max_gaussians;
     inputs.facts.dense_start = state.dense_start;
     inputs.facts.normals_at_start = state.normals_at_start;
