@@ -232,13 +232,13 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   TrainingState state;
   state.depth_scales = scales;
-  state.dense_start = begun.dense;
-  state.normals_at_start = begun.has_normals;
+  state.start.dense = begun.dense;
+  state.start.has_normals = begun.has_normals;
   state.engine.model = std::move(begun.model);
-  const GaussianCap cap = fit_to_engine({config_, state.engine.model.size(), state.dense_start, limit, all_pixels},
+  const GaussianCap cap = fit_to_engine({config_, state.engine.model.size(), state.start.dense, limit, all_pixels},
                                         {engine, views, channels, pixels}, budget_);
   if (!cap.warning.empty()) warn(cap.warning);
-  state.max_gaussians = cap.gaussians;
+  state.start.max_gaussians = cap.gaussians;
   return state;
 }
 
@@ -300,13 +300,8 @@ TrainResult Run::train() {
   }
   engine->prepare(
       {std::move(views), static_cast<int>(config_.semantic.active_top), fresh ? &state.engine.model : nullptr});
-  if (fresh) {
-    inputs.facts.max_gaussians = state.max_gaussians;
-    inputs.facts.dense_start = state.dense_start;
-    inputs.facts.normals_at_start = state.normals_at_start;
-  }
   Trainer trainer(std::move(inputs), *engine, folder_, record_, *pool_);
-  if (fresh) state = trainer.initial_state(state.depth_scales);
+  if (fresh) state = trainer.initial_state(state.depth_scales, state.start);
   state = trainer.run(std::move(state));
 
   if (!state.motions.empty()) {
