@@ -39,7 +39,7 @@ class EditSession {
   /// run, is carried out again by its words. Error{kBadInput} when the folder is no run, nothing has been trained, or
   /// edits.json is damaged.
   EditSession(const std::filesystem::path& run, const EditSessionOptions& options);
-  /// Of a run that is open, with its cameras placed. options.scene has no part in it.
+  /// Edits of a run that is open, with its cameras placed. options.scene has no part in it.
   EditSession(SharedRun run, const EditSessionOptions& options);
 
   const std::vector<EditOperation>& stack() const { return stack_; }

@@ -93,7 +93,7 @@ void read_semantics(const Json& json, RunMetrics& metrics) {
   std::set<std::string> names;
   collect_classes(json, names);
   for (const std::string& name : names) metrics.labels.classes.push_back({name, {}, {}});
-  // The labels of a mesh alone stand in an object without counts.
+  // The labels of a mesh alone are in an object without counts.
   if (member(json, "miou").is_number() || member(json, "samples").is_number())
     metrics.semantics = read_semantic_scores(json, metrics.labels);
   if (member(json, "teacher").is_object())

@@ -26,7 +26,7 @@ class FiniteMean {
   int count_ = 0;
 };
 
-/// Of the views that have the figure; with `extrapolating`, of those that extrapolate or do not.
+/// Mean of the views that have the figure; with `extrapolating`, of those that extrapolate or do not.
 double mean_over_views(const std::vector<TestViewMetrics>& views, double TestViewMetrics::*figure,
                        std::optional<bool> extrapolating = {}) {
   FiniteMean mean;

@@ -23,7 +23,7 @@ std::vector<NetworkInput> sizes_of_photos(const std::filesystem::path& source, i
 
 uint64_t pixels_of(const std::vector<NetworkInput>& photos);
 
-/// Of the training in a run folder, which may be one that is replaced; empty without one.
+/// Record of the training in a run folder, which may be one that is replaced; empty without one.
 std::optional<RunRecord> earlier_run(const std::filesystem::path& run);
 
 /// Peak that a run is expected to have after an earlier one of the same room: a tenth more; 0 where it is unknown.
