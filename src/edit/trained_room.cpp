@@ -14,6 +14,7 @@
 namespace aligngs {
 
 namespace fs = std::filesystem;
+
 namespace {
 
 /// With the labels of the file.
