@@ -97,7 +97,7 @@ uint64_t predicted_room_bytes(const BatchFolder& folder, const Batch& batch, con
     // The room will tell what is wrong with it. Weights or programs may be where it is worked on.
     unknown_network = error.kind() == ErrorKind::kWeights;
   }
-  if (bytes == 0) bytes = earlier_peak_bytes(request.train.run);
+  if (bytes == 0) bytes = expected_peak_bytes(earlier_run(request.train.run));
   if (bytes == 0) bytes = estimated_training_bytes(pixels_of(sizes_of_photos(request.source, request.photos.max_side)));
   return unknown_network ? std::max(bytes, kLargestNetworkBytes) : bytes;
 }

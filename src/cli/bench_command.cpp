@@ -185,7 +185,7 @@ BenchMachine run_on_device(BenchOptions& o, int index, StepTiming& timing) {
 void run_bench(BenchOptions& o, bool json) {
   StepTiming timing;
   BenchMachine machine;
-  o.steps.blend = semantic_blend_named(o.blend);
+  o.steps.blend = choice_named<SemanticBlend>(o.blend).value();
   const cuda::DeviceChoice choice = chosen_device(o.device, true);
   if (choice.cuda) {
     if (o.instructions != Instructions::kAll) throw_usage("--instructions are those of the CPU", "leave --device out");
@@ -239,7 +239,7 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
       ->capture_default_str()
       ->group("Scene");
   command->add_option("--blend", options->blend, "quantity that the semantic loss blends (semantic.blend)")
-      ->transform(CLI::IsMember({"probabilities", "logits"}, CLI::ignore_case))
+      ->transform(CLI::IsMember(choice_list<SemanticBlend>(), CLI::ignore_case))
       ->capture_default_str()
       ->group("Scene");
   const std::map<std::string, Instructions> names = {{"all", Instructions::kAll},

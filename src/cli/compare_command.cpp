@@ -33,7 +33,7 @@ nlohmann::ordered_json comparison_json(const std::vector<RunScores>& runs) {
       for (const ViewScoreColumn& c : view_score_columns()) {
         const PairedDifference d = view_difference(runs[0], run, c.score);
         if (d.pairs == 0) continue;
-        row[std::string(c.field) + "_difference"] = {
+        row[std::string(c.csv_name) + "_difference"] = {
             {"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
       }
     }

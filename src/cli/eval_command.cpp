@@ -10,6 +10,7 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/stages/eval_stage.h"
+#include "cli/stages/quality_gate.h"
 #include "cli/summary.h"
 #include "core/error.h"
 #include "metrics/metrics_json.h"
@@ -55,7 +56,7 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   add_device_option(*command, options->device);
   command->callback([&context, options] {
     const std::vector<LeastValue> least = least_values(options->fail_under);
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
+    LoadedRun run = load_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     EvalStageOptions stage;
     stage.truth_mesh = options->truth;
     stage.mesh = options->mesh;

@@ -108,8 +108,10 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                   "leave the option out: " + options->format + " holds one kind of thing");
     const bool shaped = what.triangles > 0 || what.error > 0 || what.closed || what.textured;
     if (shaped && ((!holds_mesh(options->format) && !html) || what.parts == RoomParts::kSplats)) {
+      std::vector<std::string> meshes = export_formats();
+      std::erase_if(meshes, [](const std::string& format) { return !holds_mesh(format); });
       throw_usage("--triangles, --error, --closed and --textured are for a mesh, and this file has none",
-                  "formats with a mesh: glb, collision.glb, obj, usda, usdz, html");
+                  fmt::format("formats with a mesh: {}, html", fmt::join(meshes, ", ")));
     }
     if (what.textured && html) throw_usage("the mesh of the page has colours of its vertices", "leave --textured out");
     if (what.textured && options->format == "collision.glb")

@@ -9,7 +9,6 @@
 #include "cli/print_json.h"
 #include "cli/stages/mesh_stage.h"
 #include "io/output_place.h"
-#include "train/config_file.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
@@ -44,9 +43,9 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->callback([&context, options] {
     if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, "ply");
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
-    for (const std::string& assignment : options->sets) apply_config_set(assignment, run.config);
-    if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, run.scene.folder);
+    LoadedRun run = load_run(
+        options->run, {options->scene, context.global.threads, engine_of_device(options->device), options->sets});
+    if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, run.scene().folder);
     MeshStageOptions stage;
     stage.source = options->from_prior   ? DepthSource::kPrior
                    : options->from_truth ? DepthSource::kTruth

@@ -24,7 +24,7 @@ PageServer::PageServer(PageServerOptions options) {
     selections_ =
         std::make_unique<SelectionService>(*edits_, [this](const std::string& path) { return scenes_->shown(path); });
     selections_->serve(options.server);
-    renders_ = std::make_unique<ViewRenders>(run, OpenRunOptions{options.scene, options.threads});
+    renders_ = std::make_unique<ViewRenders>(run, LoadRunOptions{options.scene, options.threads});
     renders_->serve(options.server);
     serve_notes(run, options.server);
     serve_control(run, options.server, [this] { stop_asked_ = true; });

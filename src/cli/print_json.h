@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdio>
+#include <string>
 
+#include "cli/command.h"
 #include "io/json_text.h"
 
 namespace aligngs {
@@ -11,6 +13,15 @@ namespace aligngs {
 template <typename Json>
 void print_json(const Json& document) {
   std::fputs(json_document(document).c_str(), stdout);
+}
+
+/// One result in both forms: the document with --json, else the text for people.
+template <typename Json>
+void print_result(const CommandContext& context, const Json& document, const std::string& text) {
+  if (context.global.json)
+    print_json(document);
+  else
+    std::fputs(text.c_str(), stdout);
 }
 
 }  // namespace aligngs

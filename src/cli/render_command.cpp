@@ -29,15 +29,15 @@ struct RenderCommandOptions {
   bool original = false;
 };
 
-OpenRun opened(const CommandContext& context, const RenderCommandOptions& options) {
-  return open_run(options.run, {options.scene, context.global.threads, engine_of_device(options.device)});
+LoadedRun opened(const CommandContext& context, const RenderCommandOptions& options) {
+  return load_run(options.run, {options.scene, context.global.threads, engine_of_device(options.device)});
 }
 
 /// With the edits of the run, as the page shows it.
-OpenRun opened_as_edited(const CommandContext& context, const RenderCommandOptions& options) {
-  OpenRun run = opened(context, options);
-  if (options.original || !std::filesystem::exists(run.folder / "edits.json")) return run;
-  const EditSession session(options.run, {options.scene, context.global.threads});
+LoadedRun opened_as_edited(const CommandContext& context, const RenderCommandOptions& options) {
+  LoadedRun run = opened(context, options);
+  if (options.original || !std::filesystem::exists(run.folder() / "edits.json")) return run;
+  const EditSession session(run.opened, {{}, context.global.threads});
   if (session.stack().empty()) return run;
   run.model = session.room().gaussians.model;
   run.engine->load(run.model);
@@ -45,13 +45,13 @@ OpenRun opened_as_edited(const CommandContext& context, const RenderCommandOptio
 }
 
 void draw_views(const CommandContext& context, const RenderCommandOptions& options) {
-  OpenRun run = opened(context, options);
+  LoadedRun run = opened(context, options);
   RenderStageOptions stage;
   stage.test = options.split != "train";
   stage.train = options.split != "test";
   stage.progress = context.progress();
   const size_t views = render_views(run, stage);
-  const std::string folder = (run.folder / "renders").string();
+  const std::string folder = (run.folder() / "renders").string();
   if (context.global.json)
     print_json(nlohmann::json{{"views", views}, {"folder", folder}});
   else
@@ -70,7 +70,7 @@ void draw_path(const CommandContext& context, const RenderCommandOptions& option
   stage.at = options.at;
   stage.progress = context.progress();
   require_path_place(options.run, stage);
-  OpenRun run = opened_as_edited(context, options);
+  LoadedRun run = opened_as_edited(context, options);
   const PathPictures made = render_path(run, stage);
   const std::string place = made.output.string();
   if (made.video_missing) {
@@ -94,7 +94,7 @@ void draw_view(const CommandContext& context, const RenderCommandOptions& option
   require_extension(file, "png");
   RunFolder(options.run).require_not_of_run(file, options.scene);
   const PictureSize size = parse_picture_size(options.size);
-  OpenRun run = opened_as_edited(context, options);
+  LoadedRun run = opened_as_edited(context, options);
   render_view_picture(run, options.view, size, file);
   if (context.global.json)
     print_json(nlohmann::json{{"pictures", 1}, {"output", file}});

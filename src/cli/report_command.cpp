@@ -7,7 +7,7 @@
 #include "cli/help_text.h"
 #include "cli/report/html_report.h"
 #include "io/json_text.h"
-#include "train/trained_run.h"
+#include "train/opened_run.h"
 
 namespace aligngs {
 

@@ -29,13 +29,13 @@ void add_room_command(CLI::App& program, CommandContext& context) {
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
   add_device_option(*command, options->device);
   command->callback([&context, options] {
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
-    const MeasuredRoom room = room_run(run, options->scene);
+    LoadedRun run = load_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
+    const MeasuredRoom room = room_run(run);
     if (context.global.json) {
       std::fputs(room_json(room).c_str(), stdout);
     } else {
       std::fputs(room_summary(room).c_str(), stdout);
-      std::printf("written      %s\n", (run.folder / "room.json").string().c_str());
+      std::printf("written      %s\n", (run.folder() / "room.json").string().c_str());
     }
   });
 }

@@ -7,8 +7,8 @@
 #include "cli/page_server.h"
 #include "cli/photo_options.h"
 #include "cli/plan_text.h"
-#include "cli/stages/eval_stage.h"
 #include "cli/stages/plan_execution.h"
+#include "cli/stages/quality_gate.h"
 #include "cli/train_options.h"
 #include "pipeline/run_plan.h"
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace aligngs {
@@ -13,28 +12,17 @@ std::string value(double figure, const char* format) {
 }
 
 std::string novel_views(const RunMetrics& m) {
-  if (!m.views_measured) return "novel views  left out\n";
-  if (m.views.empty()) return "novel views  no test views\n";
-  const auto mean = [&](double TestViewMetrics::*figure, const char* format) {
-    return value(mean_over_views(m.views, figure), format);
-  };
-  const bool lpips = std::isfinite(mean_over_views(m.views, &TestViewMetrics::lpips));
+  if (!m.novel_views) return "novel views  left out\n";
+  const NovelViewMetrics& means = *m.novel_views;
+  if (means.views == 0) return "novel views  no test views\n";
+  const double after_pose_fit = means.pose_refined ? means.pose_refined->psnr : kUndefined;
   return fmt::format("novel views  PSNR {} dB (after colour fit {}, after pose fit {}), SSIM {}, {}{} test views\n",
-                     mean(&TestViewMetrics::psnr, "{:.2f}"), mean(&TestViewMetrics::psnr_exposure_fitted, "{:.2f}"),
-                     value(mean_over_views(m.views, &RefinedPoseMetrics::psnr), "{:.2f}"),
-                     mean(&TestViewMetrics::ssim, "{:.3f}"),
-                     lpips ? "LPIPS " + mean(&TestViewMetrics::lpips, "{:.3f}") +
-                                 " (inputs in [0, 1]: " + mean(&TestViewMetrics::lpips_unit, "{:.3f}") + "), "
-                           : "",
-                     m.views.size());
-}
-
-/// F at one of the finer distances, in metres.
-double finer_fscore(const MeshScores& scores, double threshold) {
-  for (const ThresholdScores& finer : scores.finer) {
-    if (std::abs(finer.threshold - threshold) < 1e-9) return finer.fscore;
-  }
-  return kUndefined;
+                     value(means.psnr, "{:.2f}"), value(means.psnr_exposure_fitted, "{:.2f}"),
+                     value(after_pose_fit, "{:.2f}"), value(means.ssim, "{:.3f}"),
+                     std::isfinite(means.lpips) ? "LPIPS " + value(means.lpips, "{:.3f}") +
+                                                      " (inputs in [0, 1]: " + value(means.lpips_unit, "{:.3f}") + "), "
+                                                : "",
+                     means.views);
 }
 
 std::string geometry(const RunMetrics& m) {

@@ -36,6 +36,8 @@ AcceptanceFigure tsdf_figure(const SynthScene& scene, ThreadPool& pool) {
     input.truth_cameras.push_back(view.truth.camera);
   }
   FusionOptions options;
+  options.min_cosine = 0.17;          // 80 degrees
+  options.single_view_weight = 0.25;  // of surface that one view alone sees
   options.metric = !scene.options.unknown_similarity;
   const FusionResult fused = fuse_depth(frames, options, pool);
   input.predicted = &fused.mesh;

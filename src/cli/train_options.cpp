@@ -15,8 +15,8 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
   command.add_option("-n,--iterations", options->iterations, "training iterations (default: the preset's)")
       ->check(positive_number())
       ->group(training);
-  command.add_option("--preset", options->preset, "preview, default, paper, high or pgsr")
-      ->check(CLI::IsMember({"preview", "default", "paper", "high", "pgsr"}))
+  command.add_option("--preset", options->preset, joined_words<Preset>(", ", " or "))
+      ->check(CLI::IsMember(choice_list<Preset>()))
       ->group(training);
   command.add_option("--config", options->config_file, "TOML file with settings")->group(training);
   command

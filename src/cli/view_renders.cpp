@@ -52,16 +52,16 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
   if (!run_ || checkpoint != opened_) {
     run_.reset();
     require_plain_run(folder_);
-    run_.emplace(open_run(folder_, options_));
+    run_.emplace(load_run(folder_, options_));
     run_->forget_model();
     give_back_free_memory();
     opened_ = checkpoint;
   }
-  const std::vector<View>& views = run_->scene.views;
+  const std::vector<View>& views = run_->scene().views;
   const auto found = std::find_if(views.begin(), views.end(), [&](const View& v) { return v.name == view; });
   if (found == views.end()) return {};
   const Camera camera = run_->working_camera(static_cast<int>(found - views.begin()));
-  const auto image = picture_of(run_->engine->render(camera, run_->render_options()), kind, run_->scene.labels);
+  const auto image = picture_of(run_->engine->render(camera, run_->render_options()), kind, run_->scene().labels);
   if (!image) return {};
   const std::vector<uint8_t> png = encode_png(*image);
   return GetAnswer{"image/png", std::string(reinterpret_cast<const char*>(png.data()), png.size()), {}, {}};

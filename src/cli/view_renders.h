@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "serve/view_server.h"
 
 namespace aligngs {
 
 class ViewRenders {
  public:
-  ViewRenders(std::filesystem::path run, OpenRunOptions options)
+  ViewRenders(std::filesystem::path run, LoadRunOptions options)
       : folder_(std::move(run)), options_(std::move(options)) {}
 
   /// "<view>/<kind>.png" with kind rgb, depth, normal or label -> the picture, as `aligngs render` draws it. Nothing
@@ -25,8 +25,8 @@ class ViewRenders {
 
  private:
   std::filesystem::path folder_;
-  OpenRunOptions options_;
-  std::optional<OpenRun> run_;
+  LoadRunOptions options_;
+  std::optional<LoadedRun> run_;
   std::string opened_;  ///< name of the checkpoint that was read
 };
 

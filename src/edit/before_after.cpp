@@ -4,7 +4,6 @@
 
 #include "edit/edit_session.h"
 #include "io/image_file.h"
-#include "train/training_set.h"
 
 namespace aligngs {
 namespace {
@@ -99,9 +98,8 @@ BeforeAfter EditSession::compare(const EditableRoom& before, const EditableRoom&
     int view;
   };
   std::vector<Candidate> candidates;
-  for (const std::vector<int>* split : {&scene_.test, &scene_.train}) {
-    for (const int view : *split)
-      candidates.push_back({prominence(working_camera(scene_, config_, view), changed), view});
+  for (const std::vector<int>* split : {&scene().test, &scene().train}) {
+    for (const int view : *split) candidates.push_back({prominence(run_->working_camera(view), changed), view});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
@@ -109,19 +107,19 @@ BeforeAfter EditSession::compare(const EditableRoom& before, const EditableRoom&
 
   RenderOptions options;
   options.geometry = false;
-  options.raster.near_plane = static_cast<float>(config_.train.near_plane * original_.gaussians.extent);
+  options.raster.near_plane = static_cast<float>(run_->config.train.near_plane * original_.gaussians.extent);
   const std::unique_ptr<Engine> left = make_cpu_engine(threads_), right = make_cpu_engine(threads_);
   left->load(before.gaussians.model);
   right->load(after.gaussians.model);
   BeforeAfter best;
   double most = -1;
   for (const Candidate& candidate : candidates) {
-    const Camera camera = working_camera(scene_, config_, candidate.view);
+    const Camera camera = run_->working_camera(candidate.view);
     const Rendering a = left->render(camera, options), b = right->render(camera, options);
     const double d = little_left ? sum_of(b.alpha) : difference(a.color, b.color);
     if (d <= most) continue;
     most = d;
-    best.view = scene_.views[static_cast<size_t>(candidate.view)].name;
+    best.view = scene().views[static_cast<size_t>(candidate.view)].name;
     best.picture = side_by_side(to_bytes(a.color), to_bytes(b.color));
   }
   return best;

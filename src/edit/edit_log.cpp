@@ -9,7 +9,7 @@
 #include "edit/edit_independence.h"
 #include "edit/edit_lock.h"
 #include "io/atomic_file.h"
-#include "train/trained_run.h"
+#include "train/opened_run.h"
 
 namespace aligngs {
 

@@ -14,6 +14,7 @@
 #include "edit/edit_products.h"
 #include "edit/inserted_object.h"
 #include "edit/nearest_readings.h"
+#include "edit/trained_room.h"
 #include "gaussians/object_labels.h"
 #include "gaussians/restructure.h"
 #include "io/atomic_file.h"
@@ -26,18 +27,17 @@ namespace aligngs {
 namespace fs = std::filesystem;
 
 EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
-    : run_(run),
+    : EditSession(open_run_as_trained(run, options.scene), options) {}
+
+EditSession::EditSession(SharedRun run, const EditSessionOptions& options)
+    : run_(std::move(run)),
       threads_(options.threads),
       patience_(options.patience),
-      pool_(std::make_unique<ThreadPool>(options.threads)) {
-  TrainedRoom trained = read_trained_room(run, options.scene, *pool_);
-  record_ = std::move(trained.record);
-  config_ = std::move(trained.config);
-  scene_ = std::move(trained.scene);
-  original_ = std::move(trained.room);
+      pool_(std::make_unique<ThreadPool>(options.threads)),
+      original_(read_trained_room(*run_, *pool_)) {
   base_ = room_digest(original_);
   follow_selections();
-  stack_ = read_edits(run / "edits.json");
+  stack_ = read_edits(folder() / "edits.json");
   listed_ = edits_text(stack_);
   edited_ = rebuilt(stack_, changes_);
 }
@@ -48,14 +48,14 @@ std::vector<Instance> EditSession::objects() const {
 
 TrainingState EditSession::read_state() const {
   std::optional<TrainingState> state =
-      read_latest_checkpoint(RunFolder(run_).checkpoints(), record_.fingerprint, CheckpointParts::kAll);
+      read_latest_checkpoint(RunFolder(folder()).checkpoints(), run_->record.fingerprint, CheckpointParts::kAll);
   if (!state) {
-    throw_bad_input(RunFolder(run_).checkpoints(), "",
+    throw_bad_input(RunFolder(folder()).checkpoints(), "",
                     "this run has no checkpoints: a probability as --threshold and a run of its own (-o) need one",
                     "leave out --threshold and -o, or put the checkpoints back");
   }
   if (state->engine.model.size() != original_.gaussians.model.size()) {
-    throw_bad_input(RunFolder(run_).checkpoints(), "", "the checkpoint is of another training than scene.ply",
+    throw_bad_input(RunFolder(folder()).checkpoints(), "", "the checkpoint is of another training than scene.ply",
                     "finish the training: aligngs train ... --resume");
   }
   return std::move(*state);
@@ -77,16 +77,16 @@ EditReport EditSession::carry_out(EditableRoom& room, const EditOperation& edit)
   if (edit.kind != EditKind::kReplace || edit.object) return apply_edit(room, edit, *pool_);
   EditOperation whole = edit;
   whole.object = std::make_shared<const InsertedObject>(read_inserted_object(edit.with, edit.up_axis, *pool_));
-  if (!edit.fit && whole.object->metric && *whole.object->metric != scene_.metric) {
-    throw_usage(scene_.metric ? "this room is in metres, and the unit of the other run is not known"
-                              : "the other run is in metres, and the unit of this room is not known",
+  if (!edit.fit && whole.object->metric && *whole.object->metric != scene().metric) {
+    throw_usage(scene().metric ? "this room is in metres, and the unit of the other run is not known"
+                               : "the other run is in metres, and the unit of this room is not known",
                 "scale the object to the place of the old one with --fit");
   }
   return apply_edit(room, whole, *pool_);
 }
 
 std::shared_ptr<const InsertedObject> EditSession::stored_object(const EditOperation& edit) const {
-  const fs::path file = run_ / "edits" / edit.change;
+  const fs::path file = folder() / "edits" / edit.change;
   if (edit.kind != EditKind::kReplace || edit.change.empty() || !fs::exists(file)) return nullptr;
   try {
     return inserted_by(read_change(file), original_);
@@ -97,7 +97,7 @@ std::shared_ptr<const InsertedObject> EditSession::stored_object(const EditOpera
 }
 
 std::shared_ptr<const EditChange> EditSession::stored_change(const EditOperation& edit) const {
-  const fs::path file = run_ / "edits" / edit.change;
+  const fs::path file = folder() / "edits" / edit.change;
   if (edit.change.empty() || !fs::exists(file)) return nullptr;
   try {
     auto change = std::make_shared<const EditChange>(read_change(file));
@@ -117,7 +117,7 @@ std::optional<EditableRoom> EditSession::rebuilt(std::vector<EditOperation>& sta
   for (size_t i = 0; i < stack.size(); ++i) {
     if (i < changes.size()) {
       if (!apply_change(room, *changes[i]))
-        throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", "rows of this edit are gone",
+        throw_bad_input(folder() / "edits.json", "edits[" + std::to_string(i) + "]", "rows of this edit are gone",
                         "undo it");
       continue;
     }
@@ -136,7 +136,7 @@ std::optional<EditableRoom> EditSession::rebuilt(std::vector<EditOperation>& sta
       apply_change(room, *change);
       changes.push_back(std::move(change));
     } catch (const Error& error) {
-      throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", error.details().message,
+      throw_bad_input(folder() / "edits.json", "edits[" + std::to_string(i) + "]", error.details().message,
                       "remove this entry, or edits.json to forget all edits");
     }
   }
@@ -145,7 +145,7 @@ std::optional<EditableRoom> EditSession::rebuilt(std::vector<EditOperation>& sta
 
 void EditSession::follow_file() {
   follow_selections();
-  std::vector<EditOperation> now = read_edits(run_ / "edits.json");
+  std::vector<EditOperation> now = read_edits(folder() / "edits.json");
   std::string listed = edits_text(now);
   if (listed == listed_) return;
   Changes changes;
@@ -157,11 +157,11 @@ void EditSession::follow_file() {
 
 void EditSession::commit(std::vector<EditOperation>& stack, const Changes& changes) {
   for (size_t i = 0; i < stack.size(); ++i) {
-    if (!stack[i].change.empty() && fs::exists(run_ / "edits" / stack[i].change)) continue;
+    if (!stack[i].change.empty() && fs::exists(folder() / "edits" / stack[i].change)) continue;
     stack[i].number = changes[i]->number;
-    stack[i].change = write_change(run_ / "edits", *changes[i]);
+    stack[i].change = write_change(folder() / "edits", *changes[i]);
   }
-  commit_edits(run_, stack);
+  commit_edits(folder(), stack);
   listed_ = edits_text(stack);
 }
 
@@ -173,7 +173,7 @@ EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture)
 }
 
 EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
-  const EditLock lock(run_, describe(edit), patience_);
+  const EditLock lock(folder(), describe(edit), patience_);
   follow_file();
   EditOperation canonical = edit;
   canonical.select = selection_text(read_selection(room(), edit.select), room().labels);
@@ -208,7 +208,7 @@ EditRequest EditSession::understand(std::string_view text) const {
 }
 
 EditOperation EditSession::undo(size_t number) {
-  const EditLock lock(run_, "undo", patience_);
+  const EditLock lock(folder(), "undo", patience_);
   follow_file();
   const size_t index = index_of_edit(stack_, number);
   const EditOperation undone = stack_[index];
@@ -256,7 +256,7 @@ TrainingState EditSession::edited_state(TrainingState out, const EditableRoom& r
 }
 
 EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit, const std::string& command_line) {
-  require_new_folder(out, {run_, scene_.folder});
+  require_new_folder(out, {folder(), scene().folder});
   TrainingState trained = read_state();  // before the work: a run without checkpoints has none
   EditableRoom after = room();
   const EditReport report = carry_out(after, edit);
@@ -265,15 +265,15 @@ EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit
 
   FolderReplacement replacement(out);
   const RunFolder paths(replacement.path());
-  write_file_atomically(paths.config(), read_file(RunFolder(run_).config()));
+  write_file_atomically(paths.config(), read_file(RunFolder(folder()).config()));
   const TrainingState state = edited_state(std::move(trained), after);
-  write_checkpoint(paths.checkpoints(), state, record_.fingerprint, 1);
+  write_checkpoint(paths.checkpoints(), state, run_->record.fingerprint, 1);
   write_room(replacement.path(), after);
-  write_camera_outputs(paths, scene_, config_);
+  write_camera_outputs(paths, scene(), run_->config);
   write_before_after(replacement.path() / "before_after.png", compare(room(), after));
   if (edit.kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(after), *pool_);
-  write_edited_record(paths.record(), record_, command_line, relative_scene_path(out, scene_.folder), run_, done,
-                      after.gaussians.model.size());
+  write_edited_record(paths.record(), run_->record, command_line, relative_scene_path(out, scene().folder), folder(),
+                      done, after.gaussians.model.size());
   replacement.commit();
   return report;
 }

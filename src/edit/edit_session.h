@@ -14,9 +14,9 @@
 #include "edit/apply_edit.h"
 #include "edit/edit_change.h"
 #include "edit/edit_text.h"
-#include "edit/trained_room.h"
 #include "engine/engine.h"
 #include "train/checkpoint.h"
+#include "train/opened_run.h"
 
 namespace aligngs {
 
@@ -39,6 +39,8 @@ class EditSession {
   /// run, is carried out again by its words. Error{kBadInput} when the folder is no run, nothing has been trained, or
   /// edits.json is damaged.
   EditSession(const std::filesystem::path& run, const EditSessionOptions& options);
+  /// Edits of a run that is open, with its cameras placed. options.scene has no part in it.
+  EditSession(SharedRun run, const EditSessionOptions& options);
 
   const std::vector<EditOperation>& stack() const { return stack_; }
   const EditableRoom& original() const { return original_; }  ///< as trained
@@ -46,8 +48,8 @@ class EditSession {
   const EditableRoom& room() const { return edited_ ? *edited_ : original_; }
   std::vector<Instance> objects() const;  ///< of room()
   ThreadPool& pool() { return *pool_; }
-  const Scene& scene() const { return scene_; }
-  const std::filesystem::path& folder() const { return run_; }
+  const Scene& scene() const { return run_->scene; }
+  const std::filesystem::path& folder() const { return run_->folder; }
 
   /// Preview of an edit in figures and as a picture; nothing is written.
   EditReport preview(const EditOperation& edit, BeforeAfter* picture = nullptr);
@@ -95,13 +97,10 @@ class EditSession {
   BeforeAfter compare(const EditableRoom& before, const EditableRoom& after) const;
   static TrainingState edited_state(TrainingState trained, const EditableRoom& room);
 
-  std::filesystem::path run_;
+  SharedRun run_;
   int threads_ = 0;
   double patience_ = 0;  ///< seconds
   std::unique_ptr<ThreadPool> pool_;
-  TrainConfig config_;
-  RunRecord record_;
-  Scene scene_;
   EditableRoom original_;
   std::optional<EditableRoom> edited_;  ///< one room is held where there are no edits
   uint64_t base_ = 0;                   ///< digest of original_

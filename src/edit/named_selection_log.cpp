@@ -9,7 +9,7 @@
 #include "edit/selection_text.h"
 #include "edit/vocabulary.h"
 #include "io/atomic_file.h"
-#include "train/trained_run.h"
+#include "train/opened_run.h"
 
 namespace aligngs {
 

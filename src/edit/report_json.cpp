@@ -40,4 +40,11 @@ nlohmann::json report_json(const EditReport& report, const LabelSet& labels) {
           {"threshold", report.threshold > 0 ? nlohmann::json(report.threshold) : nlohmann::json(nullptr)}};
 }
 
+nlohmann::json selections_json(const RoomSelections& selections) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const NamedSelection& s : selections.list)
+    list.push_back({{"name", s.name}, {"gaussians", s.count()}, {"usable", selections.is_usable(s)}});
+  return list;
+}
+
 }  // namespace aligngs

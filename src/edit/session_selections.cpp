@@ -5,11 +5,11 @@
 namespace aligngs {
 
 void EditSession::follow_selections() {
-  std::vector<NamedSelection> now = read_named_selections(named_selections_file(run_));
+  std::vector<NamedSelection> now = read_named_selections(named_selections_file(folder()));
   std::string listed = named_selections_text(now);
   if (original_.selections && listed == listed_selections_) return;
-  original_.selections =
-      std::make_shared<const RoomSelections>(room_selections(named_selections_file(run_), std::move(now), original_));
+  original_.selections = std::make_shared<const RoomSelections>(
+      room_selections(named_selections_file(folder()), std::move(now), original_));
   if (edited_) edited_->selections = original_.selections;
   listed_selections_ = std::move(listed);
 }
@@ -24,17 +24,17 @@ void EditSession::save_selection(const std::string& name, const std::vector<uint
   made.name = name;
   made.scene = gaussians_digest(original_.gaussians.model);
   made.set_rows(rows);
-  add_selection(run_, made, original_.labels, patience_);
+  add_selection(folder(), made, original_.labels, patience_);
   follow_selections();
 }
 
 void EditSession::rename_selection(const std::string& name, const std::string& to) {
-  aligngs::rename_selection(run_, name, to, original_.labels, patience_);
+  aligngs::rename_selection(folder(), name, to, original_.labels, patience_);
   follow_selections();
 }
 
 void EditSession::remove_selection(const std::string& name) {
-  aligngs::remove_selection(run_, name, original_.labels, patience_);
+  aligngs::remove_selection(folder(), name, original_.labels, patience_);
   follow_selections();
 }
 

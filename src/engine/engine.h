@@ -65,8 +65,18 @@ struct EngineState {
 /// Memory that an engine works in beside the host's, as a device has.
 struct OwnMemory {
   uint64_t limit = 0;  ///< bytes that a run may take of it
-  uint64_t views = 0;  ///< bytes of it that set_training_views() will take for the views asked about
-  int channels = 0;    ///< numbers per semantic row there (limit_classes); 0: as many as there are classes
+  uint64_t views = 0;  ///< bytes of it that the views asked about will take
+  int channels = 0;    ///< numbers per semantic row there (active_top); 0: as many as there are classes
+};
+
+/// Views and rows of an engine from its first step on.
+struct EngineInputs {
+  std::vector<TrainingView> views;
+  /// Classes that no view's teacher ranks among its so many best at any pixel may be carried as one channel that
+  /// represents them all. Everything that goes in and out keeps every class. 0, or an engine that does not offer it:
+  /// every class has a channel of its own.
+  int active_top = 0;
+  const GaussianModel* model = nullptr;  ///< to begin with, as load() takes it; null: load_state() brings one
 };
 
 class Engine {
@@ -74,6 +84,8 @@ class Engine {
   virtual ~Engine() = default;
 
   virtual std::string device_name() const = 0;
+  /// Everything that comes before the first step of a training. Rendering alone needs no more than load().
+  virtual void prepare(EngineInputs inputs) = 0;
   virtual void load(const GaussianModel& model) = 0;  ///< resets moments and statistics
   virtual void store(GaussianModel& model) const = 0;
   /// Positions, scales, rotations and opacities alone, the other arrays empty: what density control and pruning decide
@@ -84,12 +96,9 @@ class Engine {
   virtual void load_state(const EngineState& state) = 0;
   virtual size_t size() const = 0;
 
-  /// Before set_training_views: classes that no view's teacher ranks among its `top_k` at any pixel may be carried as
-  /// one channel that represents them all. Everything that goes in and out keeps every class. 0, or an engine that does
-  /// not offer it: every class has a channel of its own.
-  virtual void limit_classes(int /*top_k*/) {}
   /// Whether steps may have a neighbour; if not, step() throws Error{kUsage} for one that has multi-view terms.
   virtual bool offers_multi_view() const { return false; }
+  /// Other views than those before, as at another resolution; classes and rows stay.
   virtual void set_training_views(std::vector<TrainingView> views) = 0;
   /// Moves the camera of a training view; its size and intrinsics stay. Before the step that is to see it there.
   virtual void set_pose(int view, const Rigidd& world_to_camera) = 0;
@@ -119,8 +128,11 @@ class Engine {
   /// training views. Rows that no pixel sees stay zero.
   virtual void lift_semantics(const RasterSettings& raster) = 0;
 
-  /// Nothing: the engine works in the host's memory. Before set_training_views and after limit_classes.
-  virtual std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& /*views*/) const { return {}; }
+  /// Its own memory, and the part that prepare() will take for such views and active_top. Nothing: the engine works in the host's
+  /// memory.
+  virtual std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& /*views*/, int /*active_top*/) const {
+    return {};
+  }
   /// Bytes that n Gaussians of C channels, their optimiser and a step need in the engine's memory. Views that it does
   /// not have yet are left out.
   virtual uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const = 0;

@@ -58,27 +58,26 @@ struct LossRow {
   std::string_view progress;  ///< in the line that a terminal shows during training; empty: not there
   LossStage stage;
   uint8_t needs;           ///< LossNeeds
-  float weight;            ///< of a step request that says nothing else; 0: off
   float benchmark_weight;  ///< of a step that is timed
 };
 
 // clang-format off
 inline constexpr LossRow kLossCatalogue[] = {
-    {Loss::kL1,                   "l1",                     "L1",           "L1",         LossStage::kColor,     kNeedsNothing,                                                          0.8f,   0.8f},
-    {Loss::kSsim,                 "ssim",                   "SSIM",         "1-SSIM",     LossStage::kColor,     kNeedsNothing,                                                          0.2f,   0.2f},
-    {Loss::kFlatten,              "flatten",                "flattening",   "",           LossStage::kShape,     kNeedsNothing,                                                          100.0f, 100.0f},
-    {Loss::kSemanticSoft,         "semantic_soft",          "L_sem soft",   "semantic",   LossStage::kSemantics, kNeedsLabels,                                                           1.0f,   1.0f},
-    {Loss::kSemanticHard,         "semantic_hard",          "L_sem hard",   "",           LossStage::kSemantics, kNeedsLabels,                                                           0.1f,   0.1f},
-    {Loss::kPearson,              "pearson",                "L_d",          "1-rho",      LossStage::kGeometry,  kNeedsDepth | kNeedsPriorDepth,                                         0.0f,   0.05f},
-    {Loss::kLogDepth,             "log_depth",              "L_z",          "depth",      LossStage::kGeometry,  kNeedsDepth | kNeedsPriorDepth,                                         0.0f,   0.5f},
-    {Loss::kNormalConsistency,    "normal_consistency",     "L_ng",         "normal",     LossStage::kGeometry,  kNeedsDepth | kNeedsUnitNormal,                                         0.0f,   0.05f},
-    {Loss::kNormalBoundary,       "normal_boundary",        "L_nb",         "",           LossStage::kGeometry,  kNeedsGuardedDepth | kNeedsUnitNormal | kNeedsLabels,                   0.0f,   0.01f},
-    {Loss::kCrease,               "crease",                 "crease",       "",           LossStage::kGeometry,  kNeedsUnitNormal | kNeedsLabels | kNeedsPriorDepth | kNeedsPriorNormal, 0.0f,   0.05f},
-    {Loss::kPriorNormal,          "prior_normal",           "prior normal", "",           LossStage::kGeometry,  kNeedsUnitNormal | kNeedsPriorNormal,                                   0.0f,   0.05f},
-    {Loss::kOpacityL1,            "opacity_l1",             "mean opacity", "",           LossStage::kShape,     kNeedsNothing,                                                          0.0f,   0.01f},
-    {Loss::kScaleL1,              "scale_l1",               "mean scale",   "",           LossStage::kShape,     kNeedsNothing,                                                          0.0f,   0.01f},
-    {Loss::kMultiViewGeometric,   "multi_view_geometric",   "L_geo",        "views (px)", LossStage::kTwoViews,  kNeedsDepth,                                                            0.0f,   0.0f},
-    {Loss::kMultiViewPhotometric, "multi_view_photometric", "L_ncc",        "1-NCC2",     LossStage::kTwoViews,  kNeedsDepth,                                                            0.0f,   0.0f},
+    {Loss::kL1,                   "l1",                     "L1",           "L1",         LossStage::kColor,     kNeedsNothing,                                                          0.8f},
+    {Loss::kSsim,                 "ssim",                   "SSIM",         "1-SSIM",     LossStage::kColor,     kNeedsNothing,                                                          0.2f},
+    {Loss::kFlatten,              "flatten",                "flattening",   "",           LossStage::kShape,     kNeedsNothing,                                                          100.0f},
+    {Loss::kSemanticSoft,         "semantic_soft",          "L_sem soft",   "semantic",   LossStage::kSemantics, kNeedsLabels,                                                           1.0f},
+    {Loss::kSemanticHard,         "semantic_hard",          "L_sem hard",   "",           LossStage::kSemantics, kNeedsLabels,                                                           0.1f},
+    {Loss::kPearson,              "pearson",                "L_d",          "1-rho",      LossStage::kGeometry,  kNeedsDepth | kNeedsPriorDepth,                                         0.05f},
+    {Loss::kLogDepth,             "log_depth",              "L_z",          "depth",      LossStage::kGeometry,  kNeedsDepth | kNeedsPriorDepth,                                         0.5f},
+    {Loss::kNormalConsistency,    "normal_consistency",     "L_ng",         "normal",     LossStage::kGeometry,  kNeedsDepth | kNeedsUnitNormal,                                         0.05f},
+    {Loss::kNormalBoundary,       "normal_boundary",        "L_nb",         "",           LossStage::kGeometry,  kNeedsGuardedDepth | kNeedsUnitNormal | kNeedsLabels,                   0.01f},
+    {Loss::kCrease,               "crease",                 "crease",       "",           LossStage::kGeometry,  kNeedsUnitNormal | kNeedsLabels | kNeedsPriorDepth | kNeedsPriorNormal, 0.05f},
+    {Loss::kPriorNormal,          "prior_normal",           "prior normal", "",           LossStage::kGeometry,  kNeedsUnitNormal | kNeedsPriorNormal,                                   0.05f},
+    {Loss::kOpacityL1,            "opacity_l1",             "mean opacity", "",           LossStage::kShape,     kNeedsNothing,                                                          0.01f},
+    {Loss::kScaleL1,              "scale_l1",               "mean scale",   "",           LossStage::kShape,     kNeedsNothing,                                                          0.01f},
+    {Loss::kMultiViewGeometric,   "multi_view_geometric",   "L_geo",        "views (px)", LossStage::kTwoViews,  kNeedsDepth,                                                            0.0f},
+    {Loss::kMultiViewPhotometric, "multi_view_photometric", "L_ncc",        "1-NCC2",     LossStage::kTwoViews,  kNeedsDepth,                                                            0.0f},
 };
 // clang-format on
 inline constexpr size_t kLosses = std::size(kLossCatalogue);
@@ -94,10 +93,10 @@ struct PerLoss {
   ALIGNGS_HD constexpr const T& operator[](Loss loss) const { return values[index_of(loss)]; }
 };
 
-/// The column `weight`, or `benchmark_weight`.
-constexpr PerLoss<float> weights_of_catalogue(float LossRow::*column) {
+/// Weights of a step that is timed.
+constexpr PerLoss<float> benchmark_weights() {
   PerLoss<float> weights;
-  for (const LossRow& row : kLossCatalogue) weights[row.loss] = row.*column;
+  for (const LossRow& row : kLossCatalogue) weights[row.loss] = row.benchmark_weight;
   return weights;
 }
 

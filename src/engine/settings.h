@@ -1,9 +1,9 @@
-// The request for one training step. Plain numbers only: every field is a documented config key of the same meaning in
-// train/config.h.
+// The request for one training step: plain numbers, which train/schedule.h makes of the settings for each step. Losses
+// are off, and lengths are in scene units. The table of the settings alone has what a setting means and its value
+// (train/config_keys.h). Constants of the rasteriser and of Adam have their published values.
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
 #include "engine/formulas/opacity_dropout.h"
 #include "engine/formulas/semantic_sample.h"
@@ -31,10 +31,6 @@ enum class SemanticBlend {
   kLogits,        ///< paper: P = sum w s, softmax per pixel
   kProbabilities  ///< our default: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
 };
-/// "logits" or "probabilities", as the setting semantic.blend has them.
-inline SemanticBlend semantic_blend_named(std::string_view name) {
-  return name == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
-}
 
 enum class SemanticCoupling {
   kPlain,  ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
@@ -42,12 +38,6 @@ enum class SemanticCoupling {
   kBounded,
   kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
-/// "plain", "bounded" or "opacity", as the setting semantic.coupling has them.
-inline SemanticCoupling semantic_coupling_named(std::string_view name) {
-  return name == "plain"     ? SemanticCoupling::kPlain
-         : name == "opacity" ? SemanticCoupling::kOpacity
-                             : SemanticCoupling::kBounded;
-}
 /// Whether the coupling is scaled to a share of the photometric gradient and weighted by omega.
 constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != SemanticCoupling::kPlain; }
 
@@ -55,15 +45,15 @@ constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != Seman
 struct LossSettings {
   /// A weight of 0 turns a loss off and costs nothing. The multi-view losses act in steps with a neighbour alone
   /// (StepRequest::neighbour).
-  PerLoss<float> weight = weights_of_catalogue(&LossRow::weight);
+  PerLoss<float> weight;
 
   SemanticSample semantic_sample;  ///< pixels that the two semantic terms and their coupling take in this step
   SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
-  /// kPlain: factor on the gradient (0 = release, 1 = paper). Else: target ratio of RMS gradients (0.1).
-  float coupling_strength = 0.1f;
+  /// kPlain: factor on the gradient (0 = release, 1 = paper). Else: target ratio of RMS gradients.
+  float coupling_strength = 0;
 
-  float log_depth_huber = 0.02f;  ///< Huber delta of L_z, log units
+  float log_depth_huber = 0;  ///< Huber delta of L_z, log units; L_z needs one above 0
   /// a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
   float prior_depth_scale = 1.0f;
   /// L_ng and L_nb as printed, without discontinuity guards, over pixels with a normal
@@ -97,8 +87,8 @@ struct LearningRates {
 
 struct AdamSettings {
   float beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-15f;
-  /// Rows that no pixel used this step keep parameters and moments (default preset: semantic rows only).
-  bool skip_invisible_semantics = true;
+  /// Semantic rows that no pixel used this step keep parameters and moments.
+  bool skip_invisible_semantics = false;
 };
 
 /// Hard limits applied after the optimiser step; 0 = off.

@@ -44,19 +44,21 @@ struct RestructurePlan {
 };
 
 /// Parameters of adaptive density control (3DGS, Kerbl et al. 2023, and ours). Lengths are scene units.
+/// Without values nothing grows and nothing is removed; the settings (densify.*) have the values.
 struct DensityRule {
-  float gradient_threshold = 2e-4f;      ///< mean 2-D gradient above which a Gaussian grows
-  float gradient_abs_threshold = 8e-4f;  ///< mean absolute gradient above which a large one splits; 0 = off
-  float abs_min_radius = 20;             ///< pixels; the absolute rule needs a larger radius
-  size_t abs_max_splits = 50000;         ///< per call
-  float small_scale = 0;                 ///< at most this: clone; larger: split (0.001 * extent)
-  float prune_opacity = 0.005f;
-  float prune_scale = 0;        ///< largest scale above which a Gaussian is removed; 0 = off
-  size_t max_gaussians = 0;     ///< cap; growth stops there, the largest gradients first; 0 = none
-  float residual_quantile = 0;  ///< grow only in the top (1 - q) of mean residual; 0 = off
-  float unsupported_min = 0;    ///< grow only where this share of the weight lacks prior support; 0 = off
-  bool grow = true;             ///< false: prune only
-  bool morton_order = false;    ///< the plan's rows in the order of morton_order.h
+  /// mean 2-D gradient above which a Gaussian grows
+  float gradient_threshold = std::numeric_limits<float>::infinity();
+  float gradient_abs_threshold = 0;  ///< mean absolute gradient above which a large one splits; 0 = off
+  float abs_min_radius = 20;         ///< pixels; the absolute rule needs a larger radius
+  size_t abs_max_splits = 50000;     ///< per call
+  float small_scale = 0;             ///< at most this: clone; larger: split (0.001 * extent)
+  float prune_opacity = 0;           ///< below it a Gaussian is removed
+  float prune_scale = 0;             ///< largest scale above which a Gaussian is removed; 0 = off
+  size_t max_gaussians = 0;          ///< cap; growth stops there, the largest gradients first; 0 = none
+  float residual_quantile = 0;       ///< grow only in the top (1 - q) of mean residual; 0 = off
+  float unsupported_min = 0;         ///< grow only where this share of the weight lacks prior support; 0 = off
+  bool grow = true;                  ///< false: prune only
+  bool morton_order = false;         ///< the plan's rows in the order of morton_order.h
 };
 
 /// The plan of one call of adaptive density control (3DGS, Kerbl et al. 2023, section 5.2). First, rows with a large

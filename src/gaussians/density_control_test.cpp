@@ -35,6 +35,9 @@ DensityStatistics quiet_statistics(size_t n) {
 
 DensityRule rule_with_small_scale(float small_scale) {
   DensityRule rule;
+  rule.gradient_threshold = 2e-4f;
+  rule.gradient_abs_threshold = 8e-4f;
+  rule.prune_opacity = 0.005f;
   rule.small_scale = small_scale;
   return rule;
 }

@@ -10,10 +10,10 @@
 namespace aligngs {
 
 struct McmcRule {
-  float dead_opacity = 0.005f;  ///< up to this a Gaussian is dead
-  double growth = 1.05;         ///< number after a call / before, until the cap
-  size_t max_gaussians = 0;     ///< cap; 0: the number stays
-  bool morton_order = false;    ///< the plan's rows in the order of morton_order.h
+  float dead_opacity = 0;     ///< up to this a Gaussian is dead
+  double growth = 1;          ///< number after a call / before, until the cap
+  size_t max_gaussians = 0;   ///< cap; 0: the number stays
+  bool morton_order = false;  ///< the plan's rows in the order of morton_order.h
 };
 
 /// Shape of `copies` equal Gaussians in one place, so that together they look nearly as one of opacity `opacity` did

@@ -46,7 +46,7 @@ TEST(McmcGrowth, CopiesTogetherAreAsOpaqueInTheMiddleAndSpreadAsMuch) {
 TEST(McmcGrowth, DeadRowsMoveToLivingOnesAndTheNumberStaysAtTheCap) {
   const GaussianModel model = model_of({0.8f, 0.001f, 0.3f, 0.002f});
   Random random(3);
-  McmcRule rule;
+  McmcRule rule{.dead_opacity = 0.005f, .growth = 1.05};
   rule.max_gaussians = 4;
   const RestructurePlan plan = plan_mcmc_growth(model, rule, random);
   ASSERT_EQ(plan.rows.size(), 4u);
@@ -57,7 +57,7 @@ TEST(McmcGrowth, DeadRowsMoveToLivingOnesAndTheNumberStaysAtTheCap) {
 
 TEST(McmcGrowth, TheNumberRisesByAShareUntilTheCap) {
   const GaussianModel model = model_of(std::vector<float>(100, 0.5f));
-  McmcRule rule;
+  McmcRule rule{.dead_opacity = 0.005f, .growth = 1.05};
   rule.max_gaussians = 1000;
   Random random(3);
   EXPECT_EQ(plan_mcmc_growth(model, rule, random).rows.size(), 105u);
@@ -69,7 +69,7 @@ TEST(McmcGrowth, TheNumberRisesByAShareUntilTheCap) {
 
 TEST(McmcGrowth, ARowAndItsCopiesShareTheirOpacity) {
   GaussianModel model = model_of({0.9f, 0.001f});
-  McmcRule rule;
+  McmcRule rule{.dead_opacity = 0.005f, .growth = 1.05};
   Random random(1);
   const RestructurePlan plan = plan_mcmc_growth(model, rule, random);
   restructure_model(plan, model);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "mesh/fusion.h"
 #include "mesh/fusion_frame.h"
 
 namespace aligngs::test {
@@ -85,6 +86,15 @@ inline std::vector<FusionFrame> room_views(const Vec3d& half, int count, int wid
     frames.push_back(render(look_at(eye, eye + away, width, height, 0.7 * width), room(half)));
   }
   return frames;
+}
+
+/// Options with which a clean scene loses nothing.
+inline FusionOptions fusion_options() {
+  FusionOptions options;
+  options.min_alpha = 0.9;
+  options.min_cosine = 0.17;
+  options.single_view_weight = 0.25;
+  return options;
 }
 
 }  // namespace aligngs::test

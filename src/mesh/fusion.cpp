@@ -278,7 +278,7 @@ class Fusion {
     HoleFillingOptions options;
     options.max_size = options_.max_hole;
     options.tolerance = kHoleTolerance * report_.metre;
-    report_.holes = fill_holes(mesh, witnesses, options);
+    report_.holes = close_seen_borders(mesh, witnesses, options);
   }
 
   ComponentLimits component_limits() const {

@@ -28,9 +28,9 @@ struct FusionOptions {
   /// as far views no longer carve, 2 of precision. F at 5 cm is 0.930, against 0.974 with 1.5, which still stops
   /// runaways.
   double max_depth_factor = 1.5;
-  double min_alpha = 0.9;            ///< of a pixel: less is a surface only half seen
-  double min_cosine = 0.17;          ///< between viewing ray and surface normal: 80 degrees
-  double single_view_weight = 0.25;  ///< of surface that one view alone sees; 0 drops it
+  double min_alpha = 0;              ///< of a pixel: less is a surface only half seen
+  double min_cosine = 0;             ///< between viewing ray and surface normal; flatter looks are left out
+  double single_view_weight = 1;     ///< of surface that one view alone sees; 0 drops it
   double contradicted_weight = 0;    ///< of surface that another view looks through
   double interpolated_weight = 0.3;  ///< of interpolated views, at most 0.3
   ConsistencyOptions consistency;

@@ -20,7 +20,7 @@ ThreadPool& pool() {
 }
 
 FusionOptions with_voxel(double voxel) {
-  FusionOptions options;
+  FusionOptions options = test::fusion_options();
   options.metric = true;
   options.voxel = voxel;
   options.depth_quantile = 1;
@@ -111,7 +111,7 @@ TEST(FuseDepth, ARoomIsFoundWithinAFractionOfAVoxel) {
 }
 
 TEST(FuseDepth, ChoosesLengthsFromTheDataWithinTheBounds) {
-  FusionOptions options;
+  FusionOptions options = test::fusion_options();
   options.metric = true;
   const FusionReport report = fuse_depth(test::room_views({2, 1.2, 1.6}, 6), options, pool()).report;
   // Median depth of about 2 m at a focal length of 112 px: a footprint of 1.8 cm, above the bound of 1.5 cm.

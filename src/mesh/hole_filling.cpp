@@ -133,8 +133,8 @@ void add_filling(TriangleMesh& mesh, const Border& border) {
 
 }  // namespace
 
-HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses,
-                             const HoleFillingOptions& options) {
+HoleFillingReport close_seen_borders(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses,
+                                     const HoleFillingOptions& options) {
   HoleFillingReport report;
   if (!(options.max_size > 0)) return report;
   std::vector<uint32_t> next = border_steps(mesh);

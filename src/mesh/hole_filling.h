@@ -35,7 +35,7 @@ struct HoleFillingReport {
 /// surface is closed. A border that is not star-shaped around its middle, or shares vertices with itself, stays open.
 /// Attributes of the new vertex are the means of the border's; its label is none. The mesh must be oriented; the order
 /// of borders follows that of the triangles.
-HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses,
-                             const HoleFillingOptions& options = {});
+HoleFillingReport close_seen_borders(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses,
+                                     const HoleFillingOptions& options = {});
 
 }  // namespace aligngs

@@ -50,7 +50,7 @@ TEST(FillHoles, AHoleThatAViewSeesAsSurfaceIsClosed) {
   TriangleMesh mesh = wall(middle_cell);
   const size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
   const Eye eye(kDistance);
-  const HoleFillingReport report = fill_holes(mesh, {eye.witness()});
+  const HoleFillingReport report = close_seen_borders(mesh, {eye.witness()});
   EXPECT_EQ(report.filled, 1u);
   EXPECT_EQ(report.borders, 2u) << "the wall's own edge is one";
   ASSERT_EQ(mesh.vertices.size(), vertices + 1);
@@ -63,25 +63,25 @@ TEST(FillHoles, AHoleThatAViewSeesAsSurfaceIsClosed) {
 TEST(FillHoles, AHoleThatViewsLookThroughStays) {
   TriangleMesh mesh = wall(middle_cell);
   const Eye through(kDistance + 1), surface(kDistance);
-  EXPECT_EQ(fill_holes(mesh, {through.witness(), surface.witness()}).filled, 0u)
+  EXPECT_EQ(close_seen_borders(mesh, {through.witness(), surface.witness()}).filled, 0u)
       << "one says surface and one says hole";
-  EXPECT_EQ(fill_holes(mesh, {surface.witness(), surface.witness(), through.witness()}).filled, 1u);
+  EXPECT_EQ(close_seen_borders(mesh, {surface.witness(), surface.witness(), through.witness()}).filled, 1u);
 }
 
 TEST(FillHoles, WhatNoViewSawStaysOpen) {
   TriangleMesh mesh = wall(middle_cell);
   const Eye hidden(kDistance - 1), nothing(0);
-  EXPECT_EQ(fill_holes(mesh, {hidden.witness(), nothing.witness()}).filled, 0u);
-  EXPECT_EQ(fill_holes(mesh, {}).filled, 0u);
+  EXPECT_EQ(close_seen_borders(mesh, {hidden.witness(), nothing.witness()}).filled, 0u);
+  EXPECT_EQ(close_seen_borders(mesh, {}).filled, 0u);
 }
 
 TEST(FillHoles, LargeHolesStay) {
   TriangleMesh mesh = wall([](int i, int j) { return i >= 8 && i < 12 && j >= 8 && j < 12; });
   const Eye eye(kDistance);
-  EXPECT_EQ(fill_holes(mesh, {eye.witness()}).filled, 0u) << "20 cm, diagonal 28";
+  EXPECT_EQ(close_seen_borders(mesh, {eye.witness()}).filled, 0u) << "20 cm, diagonal 28";
   HoleFillingOptions larger;
   larger.max_size = 0.3;
-  EXPECT_EQ(fill_holes(mesh, {eye.witness()}, larger).filled, 1u);
+  EXPECT_EQ(close_seen_borders(mesh, {eye.witness()}, larger).filled, 1u);
 }
 
 TEST(FillHoles, AHoleThatIsNotStarShapedStays) {
@@ -90,17 +90,17 @@ TEST(FillHoles, AHoleThatIsNotStarShapedStays) {
   const Eye eye(kDistance);
   HoleFillingOptions larger;
   larger.max_size = 0.3;
-  EXPECT_EQ(fill_holes(mesh, {eye.witness()}, larger).filled, 0u);
+  EXPECT_EQ(close_seen_borders(mesh, {eye.witness()}, larger).filled, 0u);
 }
 
 TEST(FillHoles, HolesThatShareACornerAndNoHolesAtAllChangeNothing) {
   TriangleMesh touching = wall([](int i, int j) { return (i == 10 && j == 10) || (i == 11 && j == 11); }),
                whole = wall([](int, int) { return false; });
   const Eye eye(kDistance);
-  EXPECT_EQ(fill_holes(touching, {eye.witness()}).filled, 0u);
-  EXPECT_EQ(fill_holes(whole, {eye.witness()}).filled, 0u);
+  EXPECT_EQ(close_seen_borders(touching, {eye.witness()}).filled, 0u);
+  EXPECT_EQ(close_seen_borders(whole, {eye.witness()}).filled, 0u);
   TriangleMesh nothing;
-  EXPECT_EQ(fill_holes(nothing, {eye.witness()}).borders, 0u);
+  EXPECT_EQ(close_seen_borders(nothing, {eye.witness()}).borders, 0u);
 }
 
 }  // namespace

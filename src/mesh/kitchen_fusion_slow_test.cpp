@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/image_file.h"
+#include "mesh/analytic_scenes_for_tests.h"
 #include "mesh/fusion.h"
 #include "metrics/mesh_distance.h"
 #include "metrics/mesh_protocols.h"
@@ -74,7 +75,7 @@ class KitchenFusion : public testing::Test {
   ThreadPool pool_{2};
   std::vector<FusionFrame> frames_;
   TriangleMesh reference_;
-  FusionOptions options_;
+  FusionOptions options_ = test::fusion_options();
 };
 
 void print(const char* what, const MeshScores& s) {

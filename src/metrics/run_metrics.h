@@ -1,5 +1,5 @@
-// Everything that is measured of a run, as metrics.json has it (metrics_json.h). NaN is a figure that nothing was
-// measured for.
+// Everything that is measured of a run, as metrics.json has it (metrics_json.h). NaN, or no value, is a figure that
+// nothing was measured for, or that an older file does not have.
 #pragma once
 
 #include <cstdint>
@@ -37,26 +37,53 @@ struct TestViewMetrics {
   double lpips_unit = kUndefined;  ///< inputs left in [0, 1]
   double psnr_exposure_fitted = kUndefined;
   double label_accuracy = kUndefined;  ///< share of labelled pixels in [0, 1]
-  bool extrapolates = false;           ///< it looks from where no training view does (view_novelty.h)
+  /// It looks from where no training view does (view_novelty.h). False as well where an older file does not say.
+  bool extrapolates = false;
   std::optional<RefinedPoseMetrics> pose_refined = {};
+};
+
+/// Means over the test views that interpolate the training views, or extrapolate them.
+struct ViewGroupMetrics {
+  double psnr = kUndefined;  ///< dB
+  double ssim = kUndefined;
+  size_t views = 0;
+};
+
+/// Over the test views with their poses fitted to the photos.
+struct RefinedPoseSummary {
+  double psnr = kUndefined;  ///< dB
+  double ssim = kUndefined;
+  double median_error_before = kUndefined;  ///< metres of the poses from the true ones, without the fit
+  double median_error_after = kUndefined;
+};
+
+/// Means over the test views that have the figure.
+struct NovelViewMetrics {
+  double psnr = kUndefined;  ///< dB
+  double ssim = kUndefined;
+  double lpips = kUndefined;       ///< inputs in [-1, 1]
+  double lpips_unit = kUndefined;  ///< inputs left in [0, 1]
+  double psnr_exposure_fitted = kUndefined;
+  std::string lpips_note;  ///< its network, or why there is none
+  size_t views = 0;
+  std::optional<ViewGroupMetrics> interpolating = {}, extrapolating = {};  ///< empty: an older file
+  std::optional<RefinedPoseSummary> pose_refined = {};                     ///< empty: no pose was fitted
 };
 
 /// Cost of the training.
 struct TrainingMetrics {
   double seconds = kUndefined;
-  int64_t iterations = 0;
-  uint64_t gaussians = 0;
+  std::optional<uint64_t> iterations = {}, gaussians = {};
   double iterations_per_second = kUndefined;
   std::optional<uint64_t> peak_memory_bytes = {};
   std::string device;
 };
 
 struct RunMetrics {
-  std::string scene_source, priors;  ///< what made them, as the scene says
-  int width = 0, height = 0;         ///< pixels at which the run worked
-  bool views_measured = false;       ///< false: the mesh alone
+  std::string scene_source, priors;                  ///< what made them, as the scene says
+  int width = 0, height = 0;                         ///< pixels at which the run worked
+  std::optional<NovelViewMetrics> novel_views = {};  ///< empty: the mesh alone was measured
   std::vector<TestViewMetrics> views;
-  std::string lpips_note;                        ///< its network, or why there is none
   std::optional<SemanticScores> semantics = {};  ///< of rendered labels; empty: no labels or no truth
   std::optional<SemanticScores> teacher = {};    ///< of the network's own labels of the test photos
   std::optional<MeshEvaluation> geometry = {};   ///< empty: no mesh or no truth
@@ -65,14 +92,13 @@ struct RunMetrics {
   LabelSet labels;  ///< names of the classes
 };
 
-/// "neuris_vertices, all poses, alignment: cameras".
+/// "neuris_vertices, all poses, alignment: cameras"; the protocol alone where it has no such parts.
 std::string protocol_text(const MeshProtocolResult& result);
 
-/// Mean of a figure over the views that have it; with `extrapolating`, over those that extrapolate or do not. NaN
-/// without any.
-double mean_over_views(const std::vector<TestViewMetrics>& views, double TestViewMetrics::*figure,
-                       std::optional<bool> extrapolating = {});
-/// The same of a figure after the fit of the poses.
-double mean_over_views(const std::vector<TestViewMetrics>& views, double RefinedPoseMetrics::*figure);
+/// The means and medians over the views; NaN without a view that has the figure.
+NovelViewMetrics novel_view_metrics(const std::vector<TestViewMetrics>& views, std::string lpips_note);
+
+/// F-score at one of the finer distances, in metres; NaN where it was not measured.
+double finer_fscore(const MeshScores& scores, double threshold);
 
 }  // namespace aligngs

@@ -6,7 +6,6 @@
 #include "core/error.h"
 #include "io/image_file.h"
 #include "train/run_folder.h"
-#include "train/run_record.h"
 
 namespace aligngs {
 namespace {
@@ -52,11 +51,15 @@ uint64_t pixels_of(const std::vector<NetworkInput>& photos) {
   return pixels;
 }
 
-uint64_t earlier_peak_bytes(const fs::path& run) {
+std::optional<RunRecord> earlier_run(const fs::path& run) {
   const RunFolder folder(run);
-  if (!folder.has_run()) return 0;
-  const uint64_t peak = read_run_record(folder.record()).train.peak_memory_bytes;
-  return static_cast<uint64_t>(kEarlierPeakFactor * static_cast<double>(peak));
+  if (!folder.has_run()) return std::nullopt;
+  return read_run_record(folder.record());
+}
+
+uint64_t expected_peak_bytes(const std::optional<RunRecord>& earlier) {
+  if (!earlier) return 0;
+  return static_cast<uint64_t>(kEarlierPeakFactor * static_cast<double>(earlier->train.peak_memory_bytes));
 }
 
 }  // namespace aligngs

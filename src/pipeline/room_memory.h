@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "priors/network_memory.h"
+#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -21,7 +23,10 @@ std::vector<NetworkInput> sizes_of_photos(const std::filesystem::path& source, i
 
 uint64_t pixels_of(const std::vector<NetworkInput>& photos);
 
-/// Peak of an earlier training in a run folder, with a tenth more; 0 without one.
-uint64_t earlier_peak_bytes(const std::filesystem::path& run);
+/// Record of the training in a run folder, which may be one that is replaced; empty without one.
+std::optional<RunRecord> earlier_run(const std::filesystem::path& run);
+
+/// Peak that a run is expected to have after an earlier one of the same room: a tenth more; 0 where it is unknown.
+uint64_t expected_peak_bytes(const std::optional<RunRecord>& earlier);
 
 }  // namespace aligngs

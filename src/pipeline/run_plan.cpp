@@ -15,7 +15,6 @@
 #include "priors/teacher_list.h"
 #include "priors/video_frames.h"
 #include "train/run_folder.h"
-#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -78,7 +77,7 @@ PlannedStep expected(RunStep step, const Decision& allowed, const char* conditio
   return made;
 }
 
-Decision decide(RunStep step, const fs::path& scene, const RunRequest& request, const RunPlan& plan,
+Decision decide(RunStep step, const Scene& scene, const RunRequest& request, const RunPlan& plan,
                 const ModelStore& store) {
   CameraRequest cameras = request.cameras;
   if (plan.from_photos()) {
@@ -131,8 +130,9 @@ void add_left_out(RunPlan& plan, const std::string& reason) {
 
 /// The work before training on a scene that is there.
 void plan_scene(const RunRequest& request, const ModelStore& store, RunPlan& plan) {
+  const Scene scene = open_scene(request.source);
   const auto add = [&](RunStep step) -> PlannedStep& {
-    plan.steps.push_back(decided(step, decide(step, request.source, request, plan, store)));
+    plan.steps.push_back(decided(step, decide(step, scene, request, plan, store)));
     return plan.steps.back();
   };
   plan.steps.push_back(left_out(RunStep::kPoses, "the scene has cameras"));
@@ -190,18 +190,18 @@ void plan_photos(const RunRequest& request, const ModelStore& store, RunPlan& pl
     plan.steps.push_back(left_out(RunStep::kComplete, "the depth is neither of a sensor nor given"));
 }
 
-std::string training_reason(const ResolvedRun& resolved, const RunFolder& folder) {
+std::string training_reason(const ResolvedRun& resolved) {
   const int64_t end = resolved.config.train.iterations;
-  if (!resolved.exists || !fs::exists(folder.record()))
-    return fmt::format("{} iterations with preset {}", end, resolved.config.train.preset);
-  const int64_t done = read_run_record(folder.record()).train.iterations;
-  if (resolved.finished) return fmt::format("the training has reached its {} iterations", done);
+  if (!resolved.exists || !resolved.record)
+    return fmt::format("{} iterations with preset {}", end, word_of(resolved.config.train.preset));
+  if (resolved.finished)
+    return fmt::format("the training has reached its {} iterations", resolved.record->train.iterations);
   return fmt::format("the training goes on to {} iterations from its newest checkpoint", end);
 }
 
 /// Training and what follows from it.
-void plan_training(const TrainOptions& train, const ResolvedRun& resolved, RunPlan& plan) {
-  PlannedStep training = planned(RunStep::kTrain, training_reason(resolved, RunFolder(train.run)));
+void plan_training(const ResolvedRun& resolved, RunPlan& plan) {
+  PlannedStep training = planned(RunStep::kTrain, training_reason(resolved));
   if (resolved.finished) training.outlook = Outlook::kLeftOut;
   plan.steps.push_back(training);
   plan.steps.push_back(planned(RunStep::kRender, "pictures of the test views"));
@@ -249,9 +249,8 @@ uint64_t RunPlan::memory_bytes() const {
   return most;
 }
 
-PlannedStep settled_step(const PlannedStep& expected, const fs::path& scene, const RunRequest& request,
+PlannedStep settled_step(const PlannedStep& expected, const Scene& scene, const RunRequest& request,
                          const RunPlan& plan, const ModelStore& store) {
-  if (expected.outlook != Outlook::kExpected) return expected;
   return decided(expected.step, decide(expected.step, scene, request, plan, store));
 }
 
@@ -269,7 +268,7 @@ RunPlan plan_run(const RunRequest& request, const ModelStore& store) {
   plan.config = resolved.config;
   const fs::path own = plan.own_scene();
   const bool keeps_scene =
-      plan.begun && (photos ? may_hold_colmap_model(own) : read_run_record(folder.record()).scene == own.filename());
+      plan.begun && (photos ? may_hold_colmap_model(own) : resolved.record->scene == own.filename());
   std::vector<NetworkInput> sizes;
   if (photos && !keeps_scene) {
     plan.cameras = cameras_of_photos(request, store);
@@ -290,7 +289,7 @@ RunPlan plan_run(const RunRequest& request, const ModelStore& store) {
     plan_scene(request, store, plan);
     sizes = sizes_of_photos(plan.source);
   }
-  plan_training(train, resolved, plan);
+  plan_training(resolved, plan);
   plan.scene = trained_scene(plan, photos || keeps_scene);
   forecast_steps(request, store, sizes, plan);
   return plan;
@@ -313,7 +312,7 @@ RunPlan plan_demo(const TrainOptions& train, const std::string& room, uint64_t p
     plan.steps.push_back(left_out(RunStep::kRefine, "the run has begun, with its scene as it is"));
   else
     plan.steps.push_back(expected(RunStep::kRefine, may_refine(plan.config), "if the simulated depth allows it"));
-  plan_training(train, resolved, plan);
+  plan_training(resolved, plan);
   forecast_training(train, pixels, plan);
   return plan;
 }

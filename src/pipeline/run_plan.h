@@ -86,7 +86,7 @@ RunPlan plan_run(const RunRequest& request, const ModelStore& store);
 RunPlan plan_demo(const TrainOptions& train, const std::string& room, uint64_t pixels);
 
 /// A step that an earlier one decides (Outlook::kExpected), now that the scene is there: planned or left out.
-PlannedStep settled_step(const PlannedStep& expected, const std::filesystem::path& scene, const RunRequest& request,
+PlannedStep settled_step(const PlannedStep& expected, const Scene& scene, const RunRequest& request,
                          const RunPlan& plan, const ModelStore& store);
 
 }  // namespace aligngs

@@ -25,7 +25,7 @@ Decision by_network(const PublishedModel& model, std::string reason) {
 
 /// Metric prior depth is of use to training.
 bool wants_metric_depth(const TrainConfig& config) {
-  return config.data.prior_depth == "auto" || config.data.prior_depth == "metric";
+  return config.data.prior_depth == PriorDepthUse::kAuto || config.data.prior_depth == PriorDepthUse::kMetric;
 }
 
 }  // namespace
@@ -51,10 +51,10 @@ Decision decide_depth(bool measurable, const PriorRequest& priors, const CameraR
   return decision;
 }
 
-Decision decide_depth(const fs::path& folder, const PriorRequest& priors, const CameraRequest& cameras,
+Decision decide_depth(const Scene& scene, const PriorRequest& priors, const CameraRequest& cameras,
                       const TrainConfig& config, const ModelStore& store) {
-  if (open_scene(folder).has_prior_depth()) return no("the scene has prior depth");
-  return decide_depth(decide_measure(folder, config).wanted, priors, cameras, store);
+  if (scene.has_prior_depth()) return no("the scene has prior depth");
+  return decide_depth(decide_measure(scene, config).wanted, priors, cameras, store);
 }
 
 Decision decide_classes(const PriorRequest& priors, const ModelStore& store) {
@@ -70,8 +70,8 @@ Decision decide_classes(const PriorRequest& priors, const ModelStore& store) {
       Notice::kInfo);
 }
 
-Decision decide_classes(const fs::path& folder, const PriorRequest& priors, const ModelStore& store) {
-  if (open_scene(folder).has_semantics()) return no("the scene has class labels");
+Decision decide_classes(const Scene& scene, const PriorRequest& priors, const ModelStore& store) {
+  if (scene.has_semantics()) return no("the scene has class labels");
   return decide_classes(priors, store);
 }
 
@@ -81,10 +81,9 @@ Decision may_measure(const TrainConfig& config) {
   return yes("points without prior depth: depth is measured in the photos");
 }
 
-Decision decide_measure(const fs::path& folder, const TrainConfig& config) {
+Decision decide_measure(const Scene& scene, const TrainConfig& config) {
   Decision decision = may_measure(config);
   if (!decision.wanted) return decision;
-  const Scene scene = open_scene(folder);
   if (scene.has_prior_depth()) return no("the scene has prior depth");
   if (scene.cloud.size() == 0) return no("the scene has no points to begin with");
   return decision;
@@ -98,11 +97,10 @@ Decision may_refine(const TrainConfig& config) {
   return yes("cameras and prior depth are corrected from the photos");
 }
 
-Decision decide_refine(const fs::path& folder, const TrainConfig& config) {
+Decision decide_refine(const Scene& scene, const TrainConfig& config) {
   const Decision allowed = may_refine(config);
   if (!config.data.refine_cameras) return allowed;
-  if (is_refined_scene(folder)) return no("the scene is refined already");
-  const Scene scene = open_scene(folder);
+  if (is_refined_scene(scene.folder)) return no("the scene is refined already");
   if (scene.prior_source == kStereoDepth) return no("depth was measured with these very cameras");
   if (is_sensor_depth(scene.prior_source)) {
     return no("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)",
@@ -125,14 +123,14 @@ Decision may_complete(const TrainConfig& config) {
   return yes("depth of a sensor, or given depth: exposures are measured, and holes are filled");
 }
 
-Decision decide_complete(const fs::path& folder, const TrainConfig& config) {
+Decision decide_complete(const Scene& scene, const TrainConfig& config) {
   Decision decision = may_complete(config);
   if (!decision.wanted) return decision;
-  const Scene scene = open_scene(folder);
   if (!scene.has_prior_depth()) return no("the scene has no prior depth");
   if (scene.has_network_depth() || scene.prior_source == kStereoDepth || scene.depth_scale != DepthScale::kScene)
     return no("the depth is neither of a sensor nor given");
-  if (fs::exists(folder / "exposure.json") || is_refined_scene(folder)) return no("the scene has that already");
+  if (fs::exists(scene.folder / "exposure.json") || is_refined_scene(scene.folder))
+    return no("the scene has that already");
   return decision;
 }
 

@@ -10,8 +10,6 @@
 #include "pipeline/room_memory.h"
 #include "priors/scene_priors.h"
 #include "priors/semantic_teacher.h"
-#include "train/run_folder.h"
-#include "train/run_record.h"
 
 namespace aligngs {
 namespace {
@@ -32,18 +30,11 @@ std::optional<uint64_t> network_bytes(const PlannedStep& step, const ModelStore&
   }
 }
 
-/// Record of the run in the folder, which may be one that is replaced.
-std::optional<RunRecord> earlier_record(const std::filesystem::path& run) {
-  const RunFolder folder(run);
-  if (!folder.has_run()) return std::nullopt;
-  return read_run_record(folder.record());
-}
-
 }  // namespace
 
 void forecast_training(const TrainOptions& train, uint64_t pixels, RunPlan& plan) {
-  const std::optional<RunRecord> earlier = earlier_record(train.run);
-  const uint64_t peak = earlier_peak_bytes(train.run);
+  const std::optional<RunRecord> earlier = earlier_run(train.run);
+  const uint64_t peak = expected_peak_bytes(earlier);
   for (PlannedStep& step : plan.steps) {
     if (step.step != RunStep::kTrain || step.outlook == Outlook::kLeftOut) continue;
     if (peak > 0)

@@ -88,8 +88,8 @@ std::vector<HoleDepth> measure_holes(const Scene& scene, const LoadedPhotos& pho
   constexpr uint64_t kSteps = 100;
   Progress progress(options.progress, "fill holes of depth", kSteps);
   std::vector<HoleDepth> filled =
-      fill_holes(photos.match, scene.cloud.positions, options.hole_settings, pool,
-                 [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
+      fill_depth_holes(photos.match, scene.cloud.positions, options.hole_settings, pool,
+                       [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
   std::vector<double> disagreements;
   for (size_t i = 0; i < filled.size(); ++i) {
     for (size_t p = 0; p < photos.mask[i].data.size(); ++p) {  // a mask is no hole

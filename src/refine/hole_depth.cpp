@@ -45,9 +45,9 @@ HoleDepth fill(const ImageF& sensor, const PhotoDepth& stereo, const HoleDepthSe
 
 }  // namespace
 
-std::vector<HoleDepth> fill_holes(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
-                                  const HoleDepthSettings& settings, ThreadPool& pool,
-                                  const std::function<void(double share)>& progress) {
+std::vector<HoleDepth> fill_depth_holes(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
+                                        const HoleDepthSettings& settings, ThreadPool& pool,
+                                        const std::function<void(double share)>& progress) {
   const std::vector<PhotoDepth> stereo = photo_depth(views, points, settings.stereo, pool, progress);
   std::vector<HoleDepth> filled;
   for (size_t i = 0; i < views.size(); ++i) filled.push_back(fill(views[i].depth, stereo[i], settings));

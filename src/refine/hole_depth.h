@@ -30,8 +30,8 @@ inline constexpr float kFilledConfidence = 0.5f;
 
 /// `views`: camera, luma and sensor depth (0 = none). `points`: as for photo_depth(). Deterministic for any number of
 /// threads.
-std::vector<HoleDepth> fill_holes(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
-                                  const HoleDepthSettings& settings, ThreadPool& pool,
-                                  const std::function<void(double share)>& progress = {});
+std::vector<HoleDepth> fill_depth_holes(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
+                                        const HoleDepthSettings& settings, ThreadPool& pool,
+                                        const std::function<void(double share)>& progress = {});
 
 }  // namespace aligngs

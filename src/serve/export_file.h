@@ -11,9 +11,7 @@
 
 namespace aligngs {
 
-/// "ply", "labels.ply", "glb", "collision.glb", "obj", "sog", "spz", "splat", "usda", "usdz", "html", "plan.svg",
-/// "plan.dxf",
-/// "plan.pdf".
+/// export_formats() of a room, then "html" and the plans: "plan.svg", "plan.dxf", "plan.pdf".
 const std::vector<std::string>& run_export_formats();
 /// Those that a run can have: plans where it has room.json.
 std::vector<std::string> formats_of_run(const std::filesystem::path& run);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "edit/report_json.h"
 #include "io/base64.h"
 #include "io/gzip.h"
 #include "io/json_text.h"
@@ -33,11 +34,7 @@ std::shared_ptr<const ShownSplats> splats_of(const SelectionService::Shown& show
 }  // namespace
 
 std::string SelectionService::list() {
-  const RoomSelections& drawn = edits_.session().selections();
-  Json selections = Json::array();
-  for (const NamedSelection& s : drawn.list)
-    selections.push_back({{"name", s.name}, {"gaussians", s.count()}, {"usable", drawn.is_usable(s)}});
-  return json_line(Json{{"selections", selections}});
+  return json_line(Json{{"selections", selections_json(edits_.session().selections())}});
 }
 
 std::string SelectionService::save(const std::string& request) {

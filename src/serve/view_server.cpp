@@ -1,20 +1,20 @@
 #include "serve/view_server.h"
 
 #include <chrono>
-#include <functional>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "serve/connection_slots.h"
 #include "serve/event_stream.h"
 #include "serve/gzip_cache.h"
+#include "serve/handler_threads.h"
 #include "serve/http_answer.h"
 #include "serve/http_connection.h"
 #include "serve/http_types.h"
+#include "serve/page_answer.h"
+#include "serve/request_admission.h"
 #include "serve/request_body.h"
 #include "serve/request_rules.h"
 #include "serve/served_run.h"
-#include "serve/web_page.h"
 
 namespace aligngs {
 
@@ -26,48 +26,12 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr uint16_t kFirstPort = 7860, kPortsTried = 100;
-constexpr size_t kMaxWaiting = 16;      // handlers that wait for their turn
 constexpr auto kWatchTime = 500ms;      // between looks at the run folder
 constexpr auto kSnapshotTime = 2000ms;  // between requests for live snapshots; the trainer may take longer
 constexpr int kMaxListeners = 32;       // open event streams
 constexpr uint64_t kLargestText = uint64_t(16) << 20;  // bytes of a text that is compressed; larger ones go as they are
 constexpr uint64_t kSmallestText = 1024;               // bytes; less is sent in one packet anyway
 constexpr size_t kCompressedTexts = size_t(16) << 20;  // bytes of streams that are kept
-constexpr uint64_t kLargestPageFile = uint64_t(64) << 20;  // bytes of one file of --web-root
-
-/// Failure of a handler, as an error for the page.
-Error error_of(const std::exception_ptr& failure) {
-  try {
-    std::rethrow_exception(failure);
-  } catch (const Error& error) {
-    return error;
-  } catch (const std::bad_alloc&) {
-    return Error({ErrorKind::kResources, "out of memory", {}, {}, {}});
-  } catch (const std::exception& error) {
-    return Error({ErrorKind::kFailed, error.what(), {}, {}, {}});
-  }
-}
-
-bool is_get(const Request& request) {
-  return request.method() == http::verb::get || request.method() == http::verb::head;
-}
-
-/// Counts up for as long as it lives.
-template <class Number>
-class Counted {
- public:
-  explicit Counted(Number& count) : count_(count) { ++count_; }
-  ~Counted() { --count_; }
-  Counted(const Counted&) = delete;
-  Counted& operator=(const Counted&) = delete;
-
- private:
-  Number& count_;
-};
-
-std::string etag_of(std::string_view bytes) {
-  return "\"" + std::to_string(std::hash<std::string_view>()(bytes)) + "\"";
-}
 
 }  // namespace
 
@@ -77,24 +41,16 @@ struct ViewServer::State {
   std::string token = random_token();
   std::string started = random_token();  // tells pages that this is another server than before
   int listeners = 0;
-  size_t waiting = 0;
   std::chrono::steady_clock::time_point snapshot_asked{};
   GzipCache texts{kCompressedTexts};
   ConnectionSlots slots;
   net::io_context io{1};
   tcp::acceptor acceptor{io};
-  net::thread_pool compressors{1};
-  net::thread_pool workers{1};  // last: handlers end before the connections they answer
+  HandlerThreads threads;  // last: handlers end before the connections they answer
 
   explicit State(ViewServerOptions given)
       : options(std::move(given)), run(options.run, options.expect_run), slots(options.limits.connections) {
     listen();
-  }
-  ~State() {
-    for (net::thread_pool* pool : {&workers, &compressors}) {
-      pool->stop();
-      pool->join();
-    }
   }
 
   void listen() {
@@ -114,99 +70,12 @@ struct ViewServer::State {
                     "choose another one with --port");
   }
 
-  /// Why a request is refused before its body is read; nothing when it is welcome.
-  std::optional<HttpAnswer> refusal_of(const Request& request) const {
-    const std::string_view host = view_of(request[http::field::host]);
-    if (!host_allowed(host, options.allowed_hosts)) {
-      return refusal(request, http::status::forbidden, "this host name is not served; see --allow-host");
-    }
-    const auto path = decode_request_path(view_of(request.target()));
-    if (!path) return refusal(request, http::status::bad_request, "bad path");
-    const FetchOrigin origin{view_of(request["Sec-Fetch-Site"]), view_of(request["Sec-Fetch-Mode"]),
-                             view_of(request["Sec-Fetch-Dest"])};
-    if (!fetch_allowed(origin, is_get(request), *path))
-      return refusal(request, http::status::forbidden, "requests of other sites are refused");
-    if (is_get(request)) return {};
-    if (request.method() != http::verb::post) {
-      return refusal(request, http::status::method_not_allowed, "only GET, HEAD and POST are served");
-    }
-    PostHeaders headers;
-    headers.host = host;
-    headers.origin = view_of(request[http::field::origin]);
-    headers.token = view_of(request["X-AlignGS-Token"]);
-    headers.content_type = view_of(request[http::field::content_type]);
-    if (!post_allowed(headers, token))
-      return refusal(request, http::status::forbidden, "wrong origin, token or content type");
-    if (!options.post.contains(*path)) return refusal(request, http::status::not_found, "not found");
-    return {};
-  }
-
-  HttpAnswer page(const Request& request, const std::string& path) const {
-    const std::string name = path == "/" ? "/index.html" : path;
-    Download download{std::string(content_type_of(name)), {}, false, AnswerPolicy::kPage, {}, {}};
-    if (!options.web_root.empty()) {
-      std::error_code error;
-      const auto root = std::filesystem::canonical(options.web_root, error);
-      if (!error) download.file = ServedFile::open(root, name.substr(1));
-      if (!download.file || download.file->size() > kLargestPageFile)
-        return refusal(request, http::status::not_found, "not found");
-      download.etag = download.file->etag();
-    } else {
-      const auto content = embedded_page_file(name);
-      if (content.empty()) return refusal(request, http::status::not_found, "not found");
-      download.prepared =
-          std::make_shared<const std::string>(reinterpret_cast<const char*>(content.data()), content.size());
-      download.etag = etag_of(*download.prepared);
-      download.gzip = true;
-    }
-    if (path != "/") return download_answer(request, std::move(download));
-    // The page itself brings the token of this server: it is never taken from a cache.
-    Request afresh = request;
-    afresh.erase(http::field::if_none_match);
-    HttpAnswer answer = download_answer(afresh, std::move(download));
-    answer.head.set(http::field::cache_control, "no-store");
-    std::string links;
-    for (const std::string& address : run.first_requests())
-      links += (links.empty() ? "<" : ", <") + address + ">; rel=preload; as=fetch; crossorigin";
-    answer.head.set(http::field::link, links);
-    answer.head.set(http::field::set_cookie, "aligngs_" + port_of(view_of(request[http::field::host])) + "=" + token +
-                                                 "; SameSite=Strict; Path=/");
-    return answer;
-  }
-
-  /// Runs work on a thread of its own while pages and events go on being served.
-  template <class Result, class Work>
-  awaitable<Result> run_on(net::thread_pool& pool, const Work& work) {
-    co_return co_await net::co_spawn(
-        pool.get_executor(), [&work]() -> awaitable<Result> { co_return work(); }, use_awaitable);
-  }
-
-  /// Runs a handler; what it throws becomes an answer.
-  template <class Result, class Work>
-  awaitable<std::optional<Result>> handled(const Request& request, const Work& work,
-                                           std::optional<HttpAnswer>& failed) {
-    if (waiting >= kMaxWaiting) {
-      failed = refusal(request, http::status::service_unavailable, "too many requests wait");
-      co_return std::nullopt;
-    }
-    const Counted turn(waiting);
-    std::exception_ptr failure;
-    std::optional<Result> result;
-    try {
-      result = co_await run_on<Result>(workers, work);
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    if (failure) failed = refusal(request, error_of(failure));
-    co_return result;
-  }
-
   awaitable<HttpAnswer> post(const Request& request, const std::string& path) {
     if (const auto fault = json_fault(request.body())) co_return refusal(request, http::status::bad_request, *fault);
     const PostHandler& call = options.post.find(path)->second;
     const auto work = [&call, &request] { return call(request.body()); };
     std::optional<HttpAnswer> failed;
-    std::optional<std::string> body = co_await handled<std::string>(request, work, failed);
+    std::optional<std::string> body = co_await threads.handled<std::string>(request, work, failed);
     if (failed) co_return std::move(*failed);
     co_return text_answer(request, http::status::ok, std::move(*body), "application/json");
   }
@@ -225,7 +94,7 @@ struct ViewServer::State {
   awaitable<HttpAnswer> get_answer(const Request& request, const GetHandler& handler, const std::string& name) {
     const auto work = [&handler, &name] { return handler(name); };
     std::optional<HttpAnswer> failed;
-    auto found = co_await handled<std::optional<GetAnswer>>(request, work, failed);
+    auto found = co_await threads.handled<std::optional<GetAnswer>>(request, work, failed);
     if (failed) co_return std::move(*failed);
     if (!*found) co_return refusal(request, http::status::not_found, "not found");
     GetAnswer& given = **found;
@@ -240,7 +109,7 @@ struct ViewServer::State {
     GzipCache::Stream stream = texts.find(name, version);
     if (!stream) {
       const auto work = [&] { return texts.add(name, version, text); };
-      stream = co_await run_on<GzipCache::Stream>(compressors, work);
+      stream = co_await threads.beside_handlers<GzipCache::Stream>(work);
     }
     co_return stream;
   }
@@ -322,7 +191,8 @@ struct ViewServer::State {
     if (auto file = asked_file(path)) co_return co_await file_answer(request, std::move(*file));
     std::string name;
     if (const GetHandler* handler = get_handler(path, name)) co_return co_await get_answer(request, *handler, name);
-    co_return page(request, path);
+    const std::vector<std::string> first = path == "/" ? run.first_requests() : std::vector<std::string>();
+    co_return page_answer(request, path, {options.web_root, first, token});
   }
 
   awaitable<void> serve_connection(tcp::socket socket) {
@@ -340,7 +210,7 @@ struct ViewServer::State {
       for (;;) {
         slot->idle();
         const std::optional<Request> request =
-            co_await connection.read([this](const Request& head) { return refusal_of(head); });
+            co_await connection.read([this](const Request& head) { return refusal_of(head, options, token); });
         if (!request || slot->closed()) break;
         slot->busy();
         const auto path = decode_request_path(view_of(request->target()));

@@ -12,6 +12,7 @@
 #include "scene/scene.h"
 #include "train/plane_targets.h"
 #include "train/pose_refinement.h"
+#include "train/schedule.h"
 #include "train/view_order.h"
 
 namespace aligngs {
@@ -28,8 +29,7 @@ struct TrainingState {
   std::vector<CameraMotion> motions;         ///< of the training cameras; empty: this run moves none
   PlaneTargets planes;                       ///< of the last fit (loss.plane_weight); empty: none yet
   int64_t non_finite_steps = 0;              ///< steps rolled back so far
-  uint64_t max_gaussians = 0;                ///< cap found at the start, 0 = none
-  bool dense_start = false, normals_at_start = false;
+  StartFacts start;
   double psnr_average = 0;  ///< running mean shown as progress, dB
   double seconds = 0;       ///< training time so far, over all resumes
 };

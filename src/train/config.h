@@ -6,15 +6,16 @@
 // train.reference_iterations (7000) and scale with the run's length.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
+
+#include "train/config_choices.h"
 
 namespace aligngs {
 
 struct DataConfig {
-  double scale = 1;             ///< working resolution / image resolution
-  std::string prior_depth;      ///< auto, metric, relative, none
+  double scale = 1;  ///< working resolution / image resolution
+  PriorDepthUse prior_depth = PriorDepthUse::kAuto;
   bool measure_depth = false;   ///< `run`: depth by multi-view stereo where the scene has points and no prior depth
   bool refine_cameras = false;  ///< `run` and `demo`: correct cameras and prior depth before training
   bool refine_stereo = false;   ///< and the depth by multi-view stereo
@@ -37,7 +38,7 @@ struct DataConfig {
 };
 
 struct InitConfig {
-  std::string start;                               ///< auto, depth, cloud, random
+  StartSource start = StartSource::kAuto;
   double depth_opacity = 0, depth_flat_ratio = 0;  ///< of a start from prior depth
   double single_view_opacity = 0;                  ///< of prior depth that only one view confirms
   double cloud_opacity = 0, cloud_flat_ratio = 0;  ///< of a start from the point cloud (flat only with normals)
@@ -49,7 +50,7 @@ struct InitConfig {
 };
 
 struct RunConfig {
-  std::string preset;
+  Preset preset = Preset::kDefault;  ///< that these settings began as
   int64_t iterations = 0;
   int64_t reference_iterations = 0;  ///< the run length in which [ref] keys are counted
   int64_t schedule_iterations = 0;   ///< length of the schedules; 0 = iterations. Pinned when a run is extended.
@@ -89,8 +90,8 @@ struct LossConfig {
 struct SemanticConfig {
   double soft = 0, hard = 0;
   double pixel_share = 1;  ///< of the pixels, per step: 1, 0.5 or 0.25
-  std::string blend;       ///< probabilities, logits
-  std::string coupling;    ///< bounded, plain, opacity
+  SemanticBlend blend = SemanticBlend::kProbabilities;
+  SemanticCoupling coupling = SemanticCoupling::kBounded;
   double coupling_strength = 0;
   int64_t coupling_start = 0, coupling_stop = 0;  ///< [ref]
   bool lift = false;
@@ -104,7 +105,7 @@ struct SemanticConfig {
 
 struct DensifyConfig {
   bool enabled = true;
-  std::string strategy;                    ///< adaptive, mcmc
+  GrowthStrategy strategy = GrowthStrategy::kAdaptive;
   double noise = 0;                        ///< mcmc: strength of the noise on positions / their learning rate
   double growth = 1;                       ///< mcmc: number after a call / before
   int64_t start = 0, stop = 0, every = 0;  ///< [ref]
@@ -140,7 +141,7 @@ struct CheckpointConfig {
 
 /// Used by `aligngs mesh`, not by training; 0 = automatic (mesh/fusion.h).
 struct MeshConfig {
-  std::string depth;              ///< agreeing, median, plane, expected
+  FusedDepth depth = FusedDepth::kAgreeing;
   double depth_agreement = 0;     ///< agreeing: relative difference up to which plane depth is taken, not median depth
   double plane_reach = 0;         ///< |log| of depth within which walls, floor, ceiling move to their planes; 0 = off
   double smoothing = 0;           ///< pixels over which depth follows the rendered normals; 0 = off
@@ -166,12 +167,8 @@ struct TrainConfig {
   MeshConfig mesh;
 };
 
-enum class Preset { kPreview, kDefault, kPaper, kHigh, kPgsr };
-inline constexpr size_t kPresets = 5;
-
-/// "preview", "default", "paper", "high", "pgsr"; Error{kUsage} for anything else.
+/// A word of kChoiceWords<Preset>; Error{kUsage} for anything else.
 Preset parse_preset(const std::string& name);
-std::string preset_name(Preset preset);
 TrainConfig make_preset(Preset preset);
 
 }  // namespace aligngs

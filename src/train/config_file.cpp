@@ -84,7 +84,7 @@ TrainConfig resolve_config(const ConfigSources& sources) {
       preset = std::get<std::string>(entry->second.value);
     }
   }
-  TrainConfig config = make_preset(parse_preset(preset.empty() ? "default" : preset));
+  TrainConfig config = make_preset(parse_preset(preset.empty() ? std::string(word_of(Preset::kDefault)) : preset));
   if (!sources.config_file.empty()) apply_config_file(sources.config_file, config);
   for (const std::string& assignment : sources.sets) apply_config_set(assignment, config);
   if (sources.iterations) set_config(config, "train.iterations", ConfigValue(*sources.iterations));
@@ -101,7 +101,8 @@ std::string config_to_toml(const TrainConfig& config) {
       group = this_group;
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", group);
     }
-    text += fmt::format("# {}{}\n{} = {}\n", key.doc, key.choices.empty() ? "" : fmt::format(" ({})", key.choices),
+    const std::string choices = choices_of(key);
+    text += fmt::format("# {}{}\n{} = {}\n", key.doc, choices.empty() ? "" : " (" + choices + ")",
                         key.name.substr(group.size() + 1), config_value_text(get_config(config, key)));
   }
   return text;

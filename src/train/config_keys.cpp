@@ -20,7 +20,7 @@ void add_preset(Preset preset, const config_table::PresetChanges& changes, std::
         std::find_if(keys.begin(), keys.end(), [name = name](const ConfigKey& k) { return k.name == name; });
     if (key == keys.end() || value_of(*key, preset) == value) {
       throw Error({ErrorKind::kFailed,
-                   fmt::format("preset '{}' changes nothing by '{}'", preset_name(preset), name),
+                   fmt::format("preset '{}' changes nothing by '{}'", word_of(preset), name),
                    {},
                    std::string(name),
                    {}});
@@ -57,17 +57,6 @@ std::string range_text(const ConfigKey& key) {
 void check_number(const ConfigKey& key, double v) {
   if (std::isfinite(v) && v >= key.low && v <= key.high) return;
   fail(key.name, fmt::format("{} is out of range", v), fmt::format("use {}: {}", range_text(key), key.doc));
-}
-
-void check_choice(const ConfigKey& key, const std::string& v) {
-  if (key.choices.empty()) return;
-  size_t begin = 0;
-  while (begin <= key.choices.size()) {
-    const size_t end = std::min(key.choices.find('|', begin), key.choices.size());
-    if (key.choices.substr(begin, end - begin) == v) return;
-    begin = end + 1;
-  }
-  fail(key.name, fmt::format("'{}' is no choice", v), fmt::format("use one of {}", key.choices));
 }
 
 template <class T>
@@ -162,15 +151,31 @@ void set_config(TrainConfig& config, std::string_view name, const ConfigValue& v
     **fb = *v;
   } else {
     const std::string* v = std::get_if<std::string>(&value);
-    if (!v) fail(name, "a text is expected", fmt::format("use one of {}", key.choices));
-    check_choice(key, *v);
+    const std::string words = choices_of(key);
+    if (!v) fail(name, "a text is expected", words.empty() ? "write it in quotes" : "use one of " + words);
+    if (const ChoiceField* choice = std::get_if<ChoiceField>(&field)) {
+      if (!choice->set(choice->field, *v)) fail(name, fmt::format("'{}' is no choice", *v), "use one of " + words);
+      return;
+    }
     *std::get<std::string*>(field) = *v;
   }
 }
 
 ConfigValue get_config(const TrainConfig& config, const ConfigKey& key) {
   TrainConfig copy = config;
-  return std::visit([](auto* f) -> ConfigValue { return *f; }, key.field(copy));
+  const ConfigField field = key.field(copy);
+  if (const ChoiceField* choice = std::get_if<ChoiceField>(&field)) return std::string(choice->word(choice->field));
+  if (double* const* f = std::get_if<double*>(&field)) return **f;
+  if (int64_t* const* f = std::get_if<int64_t*>(&field)) return **f;
+  if (bool* const* f = std::get_if<bool*>(&field)) return **f;
+  return *std::get<std::string*>(field);
+}
+
+std::string choices_of(const ConfigKey& key) {
+  TrainConfig scratch;
+  const ConfigField field = key.field(scratch);
+  const ChoiceField* choice = std::get_if<ChoiceField>(&field);
+  return choice ? choice->words() : std::string();
 }
 
 std::string config_value_text(const ConfigValue& value) {
@@ -183,30 +188,12 @@ std::string config_value_text(const ConfigValue& value) {
 }
 
 Preset parse_preset(const std::string& name) {
-  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh, Preset::kPgsr}) {
-    if (preset_name(p) == name) return p;
-  }
+  if (const std::optional<Preset> preset = choice_named<Preset>(name)) return *preset;
   throw Error({ErrorKind::kUsage,
                fmt::format("unknown preset '{}'", name),
                {},
                "--preset",
-               "use preview, default, paper, high or pgsr"});
-}
-
-std::string preset_name(Preset preset) {
-  switch (preset) {
-    case Preset::kPreview:
-      return "preview";
-    case Preset::kDefault:
-      return "default";
-    case Preset::kPaper:
-      return "paper";
-    case Preset::kHigh:
-      return "high";
-    case Preset::kPgsr:
-      return "pgsr";
-  }
-  return {};
+               "use " + joined_words<Preset>(", ", " or ")});
 }
 
 TrainConfig make_preset(Preset preset) {

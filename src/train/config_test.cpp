@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 
 #include "core/error.h"
 #include "train/config_file.h"
@@ -44,10 +45,45 @@ TEST(ConfigKeys, EveryPresetValueHasTheTypeAndRangeOfItsKey) {
   for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh, Preset::kPgsr}) {
     const TrainConfig config = make_preset(p);  // set_config throws otherwise
     EXPECT_NO_THROW(check_config(config));
-    EXPECT_EQ(config.train.preset, preset_name(p));
+    EXPECT_EQ(config.train.preset, p);
     for (const ConfigKey& key : config_keys()) {
       EXPECT_EQ(get_config(config, key), key.presets[static_cast<size_t>(p)]) << key.name;
     }
+  }
+}
+
+std::vector<std::string> words_of(const ConfigKey& key) {
+  std::vector<std::string> words;
+  std::istringstream text(choices_of(key));
+  for (std::string word; std::getline(text, word, '|');) words.push_back(word);
+  return words;
+}
+
+TEST(ConfigKeys, EveryWordOfAChoiceMakesARoundTrip) {
+  size_t choices = 0;
+  for (const ConfigKey& key : config_keys()) {
+    const std::vector<std::string> words = words_of(key);
+    choices += !words.empty();
+    for (const std::string& word : words) {
+      TrainConfig config = make_preset(Preset::kDefault);
+      set_config(config, key.name, word);
+      EXPECT_EQ(get_config(config, key), ConfigValue(word)) << key.name;
+      EXPECT_EQ(config_value_text(get_config(config, key)), "\"" + word + "\"") << key.name;
+    }
+    EXPECT_EQ(std::set<std::string>(words.begin(), words.end()).size(), words.size()) << key.name;
+  }
+  EXPECT_EQ(choices, 7u);
+}
+
+TEST(ConfigKeys, AnotherWordIsRefusedWithTheWordsThatAreAllowed) {
+  TrainConfig config = make_preset(Preset::kDefault);
+  for (const ConfigKey& key : config_keys()) {
+    if (choices_of(key).empty()) continue;
+    const Error::Details error = error_of([&] { set_config(config, key.name, std::string("neither")); });
+    EXPECT_EQ(error.kind, ErrorKind::kUsage);
+    EXPECT_EQ(error.field, key.name);
+    EXPECT_EQ(error.message, "'neither' is no choice");
+    EXPECT_EQ(error.remedy, "use one of " + choices_of(key));
   }
 }
 
@@ -62,7 +98,7 @@ TEST(ConfigKeys, PaperPresetHasThePrintedNumbers) {
   EXPECT_EQ(c.loss.log_depth, 0);
   EXPECT_EQ(c.semantic.soft, 1);
   EXPECT_EQ(c.semantic.hard, 0.1);
-  EXPECT_EQ(c.semantic.blend, "logits");
+  EXPECT_EQ(c.semantic.blend, SemanticBlend::kLogits);
   EXPECT_EQ(c.optimizer.semantic, 1e-3);
   EXPECT_EQ(c.densify.opacity_reset_every, 3000);
 }
@@ -74,7 +110,7 @@ TEST(ConfigKeys, PgsrPresetIsTheBaseOfThePaperWithItsOwnTerms) {
   EXPECT_EQ(c.loss.normal_consistency, 0.015);
   EXPECT_NEAR(double(c.loss.multi_view_from) / double(c.train.reference_iterations), 7000.0 / 30000, 1e-3);
   EXPECT_EQ(c.loss.normal_start, c.loss.multi_view_from);
-  EXPECT_EQ(c.data.prior_depth, "none");
+  EXPECT_EQ(c.data.prior_depth, PriorDepthUse::kNone);
   EXPECT_FALSE(c.data.semantics);
   const TrainConfig paper = make_preset(Preset::kPaper);
   EXPECT_EQ(c.loss.flatten, paper.loss.flatten);
@@ -147,7 +183,7 @@ TEST(ConfigFile, LaterSourcesWin) {
 TEST(ConfigFile, FileMadeFromAPresetKeepsItsPreset) {
   ConfigSources sources;
   sources.config_file = test_file("preset.toml", "[train]\npreset = \"paper\"\n");
-  EXPECT_EQ(resolve_config(sources).semantic.blend, "logits");
+  EXPECT_EQ(resolve_config(sources).semantic.blend, SemanticBlend::kLogits);
 }
 
 TEST(ConfigFile, ErrorsNameFileAndKey) {

@@ -132,7 +132,7 @@ TEST_F(DepthScales, WithoutPointsAnUnknownScaleStaysUnknown) {
     const Scene scene = open_scene(test_train::write_textured_scene(name_of(scale), how));
     TrainConfig config = make_preset(Preset::kDefault);
     EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kRelative);
-    config.data.prior_depth = "metric";
+    config.data.prior_depth = PriorDepthUse::kMetric;
     const PriorUse forced = decide_prior_use(scene, config);
     EXPECT_EQ(forced.depth, PriorDepthKind::kMetric);
     EXPECT_EQ(forced.depth_factor(0), 1) << "as it is";

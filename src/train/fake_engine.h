@@ -21,6 +21,10 @@ class FakeEngine final : public Engine {
   std::optional<OwnMemory> memory;
 
   std::string device_name() const override { return "fake"; }
+  void prepare(EngineInputs inputs) override {
+    set_training_views(std::move(inputs.views));
+    if (inputs.model) load(*inputs.model);
+  }
   void load(const GaussianModel& model) override {
     model_ = model;
     moments_.assign(model.positions.size(), 0);
@@ -119,7 +123,7 @@ class FakeEngine final : public Engine {
   static constexpr uint64_t bytes(uint64_t gaussians, int channels) {
     return gaussians * (59 + static_cast<uint64_t>(channels)) * 12;
   }
-  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>&) const override { return memory; }
+  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>&, int) const override { return memory; }
   uint64_t predicted_bytes(size_t gaussians, int channels, size_t) const override { return bytes(gaussians, channels); }
   uint64_t predicted_host_bytes(size_t gaussians, int channels) const override {
     return bytes(gaussians, channels) / 2;

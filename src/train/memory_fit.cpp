@@ -77,7 +77,7 @@ GaussianCap fit_to_engine(const CapInputs& in, const EngineFit& fit, MemoryBudge
   const auto say = [](const MemoryBudget& budget, const std::string& where) {
     log_info("memory{}: {} predicted, {} allowed", where, format_bytes(budget.total()), format_bytes(budget.limit()));
   };
-  const std::optional<OwnMemory> own = engine.own_memory(fit.views);
+  const std::optional<OwnMemory> own = engine.own_memory(fit.views, static_cast<int>(in.config.semantic.active_top));
   if (!own) {
     GaussianCap cap = fit_gaussian_cap(in, {{host, "optimiser, workspace", engine_bytes(fit.channels)}});
     say(host, "");

@@ -16,6 +16,7 @@ ResolvedRun resolve_run(const TrainOptions& options) {
   const RunFolder folder(options.run);
   ResolvedRun resolved;
   resolved.exists = options.resume && std::filesystem::exists(folder.config());
+  if (options.resume && std::filesystem::exists(folder.record())) resolved.record = read_run_record(folder.record());
   if (!resolved.exists) {
     resolved.config = resolve_config(options.config);
     return resolved;
@@ -41,12 +42,9 @@ ResolvedRun resolve_run(const TrainOptions& options) {
                    "leave them out, or start again with --overwrite"});
     }
   }
-  bool finished = false;
-  if (std::filesystem::exists(folder.record())) {
-    const RunRecord record = read_run_record(folder.record());
-    // Both: a run that is being extended may have been killed between writing config.toml and run.json.
-    finished = !record.trained.empty() && record.train.iterations >= old_end;
-  }
+  // Both: a run that is being extended may have been killed between writing config.toml and run.json.
+  const bool finished =
+      resolved.record && !resolved.record->trained.empty() && resolved.record->train.iterations >= old_end;
   const int64_t end = options.config.iterations.value_or(old_end);
   if (end < old_end) {
     throw Error({ErrorKind::kUsage, fmt::format("the run has {} iterations, fewer cannot be asked for", old_end),

@@ -19,7 +19,8 @@ double logit(double p) { return std::log(p / (1 - p)); }
 
 }  // namespace
 
-Schedule::Schedule(const TrainConfig& config, const ScheduleFacts& facts) : config_(config), facts_(facts) {
+Schedule::Schedule(const TrainConfig& config, const SceneFacts& facts, const StartFacts& start)
+    : config_(config), facts_(facts), start_(start) {
   length_ = config.train.schedule_iterations > 0 ? config.train.schedule_iterations : config.train.iterations;
 }
 
@@ -68,7 +69,7 @@ LossSettings Schedule::losses(int64_t iteration) const {
   const bool relative = facts_.prior_depth == PriorDepthKind::kRelative;
   const bool normals = iteration > scaled(c.normal_start);
   // Without normals at the start the plane depth is noise until the Gaussians have turned.
-  const bool turned = facts_.normals_at_start || normals;
+  const bool turned = start_.has_normals || normals;
   const auto gate = [](bool open, LossGate bit) { return open ? unsigned(bit) : 0u; };
   const unsigned open =
       gate(facts_.semantics, kGateSemantics) | gate(metric, kGateMetric) |
@@ -79,8 +80,8 @@ LossSettings Schedule::losses(int64_t iteration) const {
   l.weight = scheduled_weights(config_, open, share(iteration));
   const int visit = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
   l.semantic_sample = make_semantic_sample(s.pixel_share, visit, facts_.image_side);
-  l.semantic_blend = semantic_blend_named(s.blend);
-  l.coupling = semantic_coupling_named(s.coupling);
+  l.semantic_blend = s.blend;
+  l.coupling = s.coupling;
   const bool coupled = iteration > scaled(s.coupling_start) && iteration <= scaled_stop(s.coupling_stop);
   l.coupling_strength = coupled ? to_float(s.coupling_strength) : 0;
 
@@ -149,8 +150,8 @@ bool Schedule::fits_planes(int64_t iteration) const {
 }
 
 bool Schedule::names_objects(int64_t iteration) const {
-  return facts_.semantics && config_.semantic.object_labels && config_.semantic.blend == "probabilities" &&
-         iteration == config_.train.iterations;
+  return facts_.semantics && config_.semantic.object_labels &&
+         config_.semantic.blend == SemanticBlend::kProbabilities && iteration == config_.train.iterations;
 }
 
 bool Schedule::closes_room(int64_t iteration) const {
@@ -174,7 +175,7 @@ McmcRule Schedule::mcmc_rule() const {
   McmcRule rule;
   rule.dead_opacity = to_float(config_.densify.prune_opacity);
   rule.growth = config_.densify.growth;
-  rule.max_gaussians = facts_.max_gaussians;
+  rule.max_gaussians = start_.max_gaussians;
   rule.morton_order = config_.densify.morton_order;
   return rule;
 }
@@ -193,10 +194,10 @@ DensityRule Schedule::density_rule(int64_t iteration) const {
   rule.small_scale = to_float(d.small_scale * facts_.extent);
   rule.prune_opacity = to_float(d.prune_opacity);
   rule.prune_scale = iteration > scaled(d.prune_scale_start) ? to_float(d.prune_scale * facts_.extent) : 0;
-  rule.max_gaussians = facts_.max_gaussians;
+  rule.max_gaussians = start_.max_gaussians;
   rule.morton_order = d.morton_order;
   // A sparse start has everything still to grow; only a dense one is restricted to what it misses.
-  if (facts_.dense_start) {
+  if (start_.dense) {
     rule.residual_quantile = to_float(d.residual_quantile);
     rule.unsupported_min = to_float(d.unsupported_min);
   }

@@ -1,4 +1,4 @@
-// Plan of each iteration of a run: settings and facts about the scene in, numbers for one step out.
+// Plan of each iteration of a run: settings and facts about scene and start in, numbers for one step out.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +19,21 @@ enum class PriorDepthKind {
   kRelative  ///< only its correlation with the rendered depth (L_d)
 };
 
-/// Facts about the scene and the start for the schedule.
-struct ScheduleFacts {
+/// Facts about the scene, which a run that goes on finds again.
+struct SceneFacts {
   int training_views = 1;
   int image_side = 0;  ///< pixels along the larger side of the largest training image
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
   bool network_cameras = false;  ///< a network estimated cameras and depth: both are some percent off
   bool semantics = false;
-  bool dense_start = false;       ///< the Gaussians started from prior depth
-  bool normals_at_start = false;  ///< the start had normals, so plane depth means something from the first step
-  float extent = 1;               ///< robust scene extent, scene units
-  size_t max_gaussians = 0;       ///< cap of density control; 0 = none
+  float extent = 1;  ///< robust scene extent, scene units
+};
+
+/// Facts about the start of a run, which its state keeps (TrainingState in checkpoint.h).
+struct StartFacts {
+  bool dense = false;          ///< the Gaussians started from prior depth
+  bool has_normals = false;    ///< the start had normals, so plane depth means something from the first step
+  uint64_t max_gaussians = 0;  ///< cap of density control; 0 = none
 };
 
 /// Iterations are 1-based. Iteration keys are scaled by schedule length / train.reference_iterations and rounded. All
@@ -38,7 +42,7 @@ struct ScheduleFacts {
 /// always ends with the run.)
 class Schedule {
  public:
-  Schedule(const TrainConfig& config, const ScheduleFacts& facts);
+  Schedule(const TrainConfig& config, const SceneFacts& facts, const StartFacts& start = {});
 
   /// Everything but `view`, its neighbour and its prior depth scale.
   StepRequest request(int64_t iteration) const;
@@ -72,7 +76,7 @@ class Schedule {
 
   DensityRule density_rule(int64_t iteration) const;
   /// densify.strategy is mcmc: McmcRule instead of DensityRule, and noise after every step.
-  bool uses_mcmc() const { return config_.densify.enabled && config_.densify.strategy == "mcmc"; }
+  bool uses_mcmc() const { return config_.densify.enabled && config_.densify.strategy == GrowthStrategy::kMcmc; }
   McmcRule mcmc_rule() const;
   /// Value for the step of this iteration; 0 without mcmc.
   double position_noise(int64_t iteration) const;
@@ -90,7 +94,8 @@ class Schedule {
   LearningRates rates(int64_t iteration) const;
 
   TrainConfig config_;
-  ScheduleFacts facts_;
+  SceneFacts facts_;
+  StartFacts start_;
   int64_t length_;  ///< of the schedules, iterations
 };
 

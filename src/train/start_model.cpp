@@ -113,22 +113,23 @@ PointCloud random_cloud(const StartInputs& in, Random& random) {
 }  // namespace
 
 StartModel make_start_model(const StartInputs& in, Random random) {
-  std::string source = in.config.init.start;
-  if (source == "auto") source = in.prior_depth == PriorDepthKind::kMetric ? "depth" : "cloud";
-  if (source == "depth") {
+  StartSource source = in.config.init.start;
+  if (source == StartSource::kAuto)
+    source = in.prior_depth == PriorDepthKind::kMetric ? StartSource::kDepth : StartSource::kCloud;
+  if (source == StartSource::kDepth) {
     if (in.prior_depth != PriorDepthKind::kMetric) {
       throw_bad_input({}, "init.start", "there is no metric prior depth to start from",
                       "use init.start=cloud or random");
     }
     StartModel start = start_from_depth(in);
     if (start.model.size() > 0) return start;
-    if (in.config.init.start == "depth") {
+    if (in.config.init.start == StartSource::kDepth) {
       throw_bad_input({}, "pred_depths", "no prior depth value can be used", "use init.start=cloud or random");
     }
     log_warning("no prior depth value can be used as a start: starting from the cloud");
-    source = "cloud";
+    source = StartSource::kCloud;
   }
-  if (source == "random") return start_from_cloud(in, random_cloud(in, random));
+  if (source == StartSource::kRandom) return start_from_cloud(in, random_cloud(in, random));
   if (in.cloud.size() == 0) {
     throw_bad_input({}, "sparse/points3D", "the scene has no points to start from",
                     "add points3D, prior depth (pred_depths/), or use --set init.start=random");

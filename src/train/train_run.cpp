@@ -111,11 +111,11 @@ class Run {
 };
 
 std::filesystem::path Run::scene_folder() const {
-  if (!resolved_.exists || !std::filesystem::exists(folder_.record())) {
+  if (!resolved_.exists || !resolved_.record) {
     if (options_.scene.empty()) throw_usage("no scene folder is given", "aligngs train SCENE -o RUN");
     return options_.scene;
   }
-  return scene_of_run(folder_.path(), read_run_record(folder_.record()), options_.scene);
+  return scene_of_run(folder_.path(), *resolved_.record, options_.scene);
 }
 
 void Run::warn(const std::string& message) {
@@ -167,8 +167,8 @@ void Run::open_scene_and_check() {
 }
 
 void Run::require_own_scene() const {
-  if (!resolved_.exists || !std::filesystem::exists(folder_.record())) return;
-  const RunRecord record = read_run_record(folder_.record());
+  if (!resolved_.exists || !resolved_.record) return;
+  const RunRecord& record = *resolved_.record;
   std::error_code none;
   const bool begun = !record.trained.empty() || std::filesystem::directory_iterator(folder_.checkpoints(), none) !=
                                                     std::filesystem::directory_iterator();
@@ -178,7 +178,7 @@ void Run::require_own_scene() const {
 
 void Run::prepare_folder() {
   folder_.prepare(mode_of(options_));
-  if (resolved_.exists && std::filesystem::exists(folder_.record())) record_ = read_run_record(folder_.record());
+  if (resolved_.exists && resolved_.record) record_ = *resolved_.record;
   if (record_.started.empty()) record_.started = utc_now();
   record_.status = "running";
   record_.stage = "train";
@@ -232,13 +232,13 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   TrainingState state;
   state.depth_scales = scales;
-  state.dense_start = begun.dense;
-  state.normals_at_start = begun.has_normals;
+  state.start.dense = begun.dense;
+  state.start.has_normals = begun.has_normals;
   state.engine.model = std::move(begun.model);
-  const GaussianCap cap = fit_to_engine({config_, state.engine.model.size(), state.dense_start, limit, all_pixels},
+  const GaussianCap cap = fit_to_engine({config_, state.engine.model.size(), state.start.dense, limit, all_pixels},
                                         {engine, views, channels, pixels}, budget_);
   if (!cap.warning.empty()) warn(cap.warning);
-  state.max_gaussians = cap.gaussians;
+  state.start.max_gaussians = cap.gaussians;
   return state;
 }
 
@@ -286,7 +286,6 @@ TrainResult Run::train() {
   if (multi_view) {
     inputs.neighbours = neighbours_of(inputs.guides);
   }
-  engine->limit_classes(static_cast<int>(config_.semantic.active_top));
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
   inputs.load_views = [this](double scale) {
@@ -299,15 +298,10 @@ TrainResult Run::train() {
     views.clear();
     views = inputs.load_views(scale);
   }
-  engine->set_training_views(std::move(views));
-  if (fresh) {
-    engine->load(state.engine.model);
-    inputs.facts.max_gaussians = state.max_gaussians;
-    inputs.facts.dense_start = state.dense_start;
-    inputs.facts.normals_at_start = state.normals_at_start;
-  }
+  engine->prepare(
+      {std::move(views), static_cast<int>(config_.semantic.active_top), fresh ? &state.engine.model : nullptr});
   Trainer trainer(std::move(inputs), *engine, folder_, record_, *pool_);
-  if (fresh) state = trainer.initial_state(state.depth_scales);
+  if (fresh) state = trainer.initial_state(state.depth_scales, state.start);
   state = trainer.run(std::move(state));
 
   if (!state.motions.empty()) {
@@ -358,10 +352,9 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
   const ResolvedRun resolved = resolve_run(options);
   folder.check(mode_of(options));
   if (resolved.finished) {
-    const RunRecord record = read_run_record(folder.record());
-    require_scene_of_finished(options, record);
+    require_scene_of_finished(options, *resolved.record);
     log_info("the run in {} is finished: nothing to do", options.run.string());
-    return result_of_finished(record);
+    return result_of_finished(*resolved.record);
   }
   if (RunControl(options.run).active()) {
     throw Error({ErrorKind::kUsage, "another process is working on this run", options.run, "-o",

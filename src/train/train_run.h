@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/progress.h"
 #include "engine/engine.h"
 #include "train/config_file.h"
+#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -53,9 +55,10 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
 /// The settings a run would have: of its config.toml when it is resumed, else from the sources.
 struct ResolvedRun {
   TrainConfig config;
-  bool exists = false;    ///< config.toml exists in the folder and resume is set
-  bool finished = false;  ///< trained to config.train.iterations already
-  bool extended = false;  ///< iterations were raised beyond the old end
+  bool exists = false;                   ///< config.toml exists in the folder and resume is set
+  bool finished = false;                 ///< trained to config.train.iterations already
+  bool extended = false;                 ///< iterations were raised beyond the old end
+  std::optional<RunRecord> record = {};  ///< run.json as it was found, when resume is set
 };
 ResolvedRun resolve_run(const TrainOptions& options);
 

@@ -3,21 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "core/error.h"
-#include "core/log.h"
-#include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "io/colmap.h"
 #include "scene/scene_folder_for_tests.h"
 #include "train/checkpoint.h"
 #include "train/fake_engine.h"
 #include "train/fake_runs_for_tests.h"
-#include "train/run_control.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
 
@@ -67,134 +61,6 @@ TEST_F(TrainRun, SceneFileCarriesNoTimeAndNoPath) {
   EXPECT_THAT(ply(options("a")), Not(HasSubstr(base_.string())));
 }
 
-TEST_F(TrainRun, KilledAnywhereAndResumedEndsByteIdentical) {
-  const TrainOptions whole = options("whole");
-  train_run(whole, plain_engine());
-  for (const int64_t at : {1, 9, 10, 30}) {
-    TrainOptions o = options("killed_at_" + std::to_string(at));
-    EXPECT_THROW(train_run(o, engine_killed_at(at)), Killed);
-    o.resume = true;
-    train_run(o, plain_engine());
-    EXPECT_TRUE(ply(o) == ply(whole)) << at;
-    EXPECT_TRUE(read_file(o.run / "scene.labels.ply") == read_file(whole.run / "scene.labels.ply")) << at;
-  }
-}
-
-TEST_F(TrainRun, KilledTwiceAndResumedEndsByteIdentical) {
-  const TrainOptions whole = options("whole");
-  train_run(whole, plain_engine());
-  TrainOptions o = options("killed");
-  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
-  o.resume = true;
-  EXPECT_THROW(train_run(o, engine_killed_at(28)), Killed);
-  train_run(o, plain_engine());
-  EXPECT_TRUE(ply(o) == ply(whole));
-}
-
-TEST_F(TrainRun, WritingCheckpointsChangesNothing) {
-  TrainOptions rare = options("rare");
-  rare.config.sets[0] = "checkpoint.every=1000";
-  TrainOptions often = options("often");
-  often.config.sets[0] = "checkpoint.every=1";
-  train_run(rare, plain_engine());
-  train_run(often, plain_engine());
-  EXPECT_TRUE(ply(rare) == ply(often));
-}
-
-TEST_F(TrainRun, EventsOfAResumedRunHaveEachStepOnce) {
-  TrainOptions o = options("a");
-  EXPECT_THROW(train_run(o, engine_killed_at(23)), Killed);
-  o.resume = true;
-  train_run(o, plain_engine());
-  const std::string text = read_file(o.run / "events.ndjson");
-  for (int64_t step = 5; step <= 30; step += 5) {
-    const std::string needle = "{\"step\":" + std::to_string(step) + ",\"view\"";
-    EXPECT_NE(text.find(needle), std::string::npos) << step;
-    EXPECT_EQ(text.find(needle), text.rfind(needle)) << step;
-  }
-}
-
-TEST_F(TrainRun, ResumeBeginsARunThatDoesNotExist) {
-  TrainOptions o = options("a");
-  o.resume = true;
-  EXPECT_EQ(train_run(o, plain_engine()).iterations, 30);
-}
-
-TEST_F(TrainRun, ResumeTakesItsSettingsFromTheRun) {
-  TrainOptions o = options("a");
-  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
-  o.resume = true;
-  o.config = {};
-  o.scene.clear();  // run.json knows the scene
-  train_run(o, plain_engine());
-  const TrainOptions whole = options("whole");
-  train_run(whole, plain_engine());
-  EXPECT_TRUE(ply(o) == ply(whole));
-}
-
-TEST_F(TrainRun, ResumeWithAnotherSceneTouchesNothing) {
-  const fs::path other = base_ / "other";
-  fs::copy(scene_, other, fs::copy_options::recursive);
-  fs::remove_all(other / "pred_depths");
-  for (const int64_t kill_at : {int64_t(20), int64_t(-1)}) {  // stopped, and finished
-    TrainOptions o = options(kill_at < 0 ? "finished" : "stopped");
-    try {
-      train_run(o, engine_killed_at(kill_at));
-    } catch (const Killed&) {
-    }
-    const std::string before = read_file(RunFolder(o.run).record());
-    o.resume = true;
-    o.scene = other;
-    try {
-      train_run(o, plain_engine());
-      ADD_FAILURE() << "trained";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
-      EXPECT_THAT(error.what(), HasSubstr("another scene"));
-    }
-    EXPECT_EQ(read_file(RunFolder(o.run).record()), before);
-    o.scene = base_ / "moved";
-    fs::copy(scene_, o.scene, fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-    EXPECT_NO_THROW(train_run(o, plain_engine())) << "the same scene in another place";
-  }
-}
-
-TEST_F(TrainRun, ResumeRefusesOtherSettings) {
-  TrainOptions o = options("a");
-  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
-  o.resume = true;
-  o.config.sets.push_back("loss.l1=0.5");
-  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kUsage);
-}
-
-TEST_F(TrainRun, DamagedNewestCheckpointFallsBackAndEndsTheSame) {
-  const TrainOptions whole = options("whole");
-  train_run(whole, plain_engine());
-  TrainOptions o = options("damaged");
-  EXPECT_THROW(train_run(o, engine_killed_at(23)), Killed);
-  const fs::path newest = list_checkpoints(o.run / "checkpoints").front();
-  fs::resize_file(newest, fs::file_size(newest) - 9);
-  o.resume = true;
-  train_run(o, plain_engine());
-  EXPECT_TRUE(ply(o) == ply(whole));
-}
-
-TEST_F(TrainRun, ChangedSceneIsRefused) {
-  TrainOptions o = options("a");
-  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
-  fs::remove_all(scene_);
-  SceneWriter writer(scene_, false);
-  for (int i = 0; i < 3; ++i) {
-    SceneViewParts view = test_scene::view_parts(i);
-    view.camera.world_to_camera.translation.y = 0.1;
-    view.truth_camera = view.camera;
-    writer.add_view(view);
-  }
-  writer.finish(test_scene::scene_parts());
-  o.resume = true;
-  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kBadInput);
-}
-
 TEST_F(TrainRun, FolderRules) {
   const TrainOptions o = options("a", 5);
   train_run(o, plain_engine());
@@ -204,104 +70,6 @@ TEST_F(TrainRun, FolderRules) {
   EXPECT_EQ(train_run(over, plain_engine()).iterations, 6);
   over.resume = true;
   EXPECT_EQ(kind_of([&] { train_run(over, plain_engine()); }), ErrorKind::kUsage);
-}
-
-TEST_F(TrainRun, StopRequestWritesACheckpointAndSaysHowToGoOn) {
-  const TrainOptions o = options("a");
-  const EngineFactory stopping = [](int) {
-    auto engine = std::make_unique<test_train::FakeEngine>();
-    engine->before_step = [](int64_t step) -> NonFinite {
-      if (step == 20) request_stop();
-      return {};
-    };
-    return engine;
-  };
-  try {
-    train_run(o, stopping);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::kInterrupted);
-    EXPECT_THAT(e.details().remedy, HasSubstr("--resume"));
-  }
-  EXPECT_EQ(record(o).status, "stopped");
-  EXPECT_TRUE(fs::exists(o.run / "checkpoints" / "step_000020.safetensors"));
-}
-
-TEST_F(TrainRun, FlagsStopPauseAndSaveAndTheResultIsTheSame) {
-  using Flag = RunControl::Flag;
-  const TrainOptions whole = options("whole");
-  train_run(whole, plain_engine());
-  const TrainOptions o = options("a");
-  const RunControl control(o.run);
-  std::string paused_status;
-  std::thread resume;
-  const EngineFactory watched = [&](int) {
-    auto engine = std::make_unique<test_train::FakeEngine>();
-    engine->before_step = [&](int64_t step) -> NonFinite {
-      EXPECT_TRUE(control.active());
-      if (step == 5 || step == 12 || step == 20) std::this_thread::sleep_for(std::chrono::milliseconds(120));
-      if (step == 4) control.ask(Flag::kCheckpoint);
-      if (step == 11) {
-        control.ask(Flag::kPause);
-        control.ask(Flag::kSnapshot);
-        resume = std::thread([&] {
-          for (int i = 0; i < 500 && record(o).status != "paused"; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-          paused_status = record(o).status;
-          control.withdraw(Flag::kPause);
-        });
-      }
-      if (step == 19) control.ask(Flag::kStop);
-      return {};
-    };
-    return engine;
-  };
-  EXPECT_EQ(kind_of([&] { train_run(o, watched); }), ErrorKind::kInterrupted);
-  resume.join();
-  EXPECT_EQ(paused_status, "paused");
-  EXPECT_EQ(record(o).status, "stopped");
-  EXPECT_FALSE(control.asked(Flag::kStop)) << "an obeyed flag is gone";
-  EXPECT_FALSE(control.active());
-  EXPECT_FALSE(fs::exists(o.run / "live")) << "a snapshot ends with its training";
-  TrainOptions again = o;
-  again.resume = true;
-  train_run(again, plain_engine());
-  EXPECT_TRUE(ply(o) == ply(whole));
-}
-
-TEST_F(TrainRun, AFlagAsksForACheckpointOrASnapshotAtOnce) {
-  using Flag = RunControl::Flag;
-  TrainOptions o = options("a");
-  for (const char* const set : {"checkpoint.keep=9", "checkpoint.keep_finished=true"}) o.config.sets.push_back(set);
-  const RunControl control(o.run);
-  bool snapshot = false;
-  const EngineFactory watched = [&](int) {
-    auto engine = std::make_unique<test_train::FakeEngine>();
-    engine->before_step = [&](int64_t step) -> NonFinite {
-      if (step == 4) {
-        control.ask(Flag::kCheckpoint);
-        control.ask(Flag::kSnapshot);
-        std::this_thread::sleep_for(std::chrono::milliseconds(120));
-      }
-      if (step == 5) snapshot = fs::exists(o.run / "live" / "scene.ply");
-      return {};
-    };
-    return engine;
-  };
-  train_run(o, watched);
-  EXPECT_TRUE(snapshot);
-  EXPECT_TRUE(fs::exists(o.run / "checkpoints" / "step_000004.safetensors"));
-}
-
-TEST_F(TrainRun, ARunThatIsBeingTrainedIsLeftAlone) {
-  const TrainOptions o = options("a");
-  train_run(o, plain_engine());
-  const std::string before = ply(o);
-  const RunLock lock(o.run);
-  TrainOptions second = o;
-  second.overwrite = true;
-  EXPECT_EQ(kind_of([&] { train_run(second, plain_engine()); }), ErrorKind::kUsage);
-  EXPECT_TRUE(ply(o) == before);
 }
 
 TEST_F(TrainRun, NonFiniteGaussianIsRemovedAndTrainingGoesOn) {
@@ -375,7 +143,7 @@ TEST_F(TrainRun, TheMemoryOfADeviceLimitsGrowth) {
   ASSERT_EQ(record(o).warnings.size(), 1u);
   EXPECT_THAT(record(o).warnings[0], HasSubstr("the memory of fake holds 120 Gaussians"));
   const std::vector<fs::path> checkpoints = list_checkpoints(o.run / "checkpoints");
-  EXPECT_EQ(read_checkpoint(checkpoints.front(), record(o).fingerprint).max_gaussians, 120u);
+  EXPECT_EQ(read_checkpoint(checkpoints.front(), record(o).fingerprint).start.max_gaussians, 120u);
 }
 
 TEST_F(TrainRun, ADeviceTooSmallForTheStartIsAResourceErrorBeforeTheFirstStep) {

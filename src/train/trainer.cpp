@@ -63,14 +63,12 @@ Trainer::Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, 
   for (const GuideView& guide : in_.guides) poses_.push_back(guide.camera.world_to_camera);
 }
 
-TrainingState Trainer::initial_state(const std::vector<float>& depth_scales) const {
+TrainingState Trainer::initial_state(const std::vector<float>& depth_scales, const StartFacts& start) const {
   TrainingState state;
   state.order = order_.state();
   state.density_random = density_random_.state();
   state.depth_scales = depth_scales;
-  state.max_gaussians = in_.facts.max_gaussians;
-  state.dense_start = in_.facts.dense_start;
-  state.normals_at_start = in_.facts.normals_at_start;
+  state.start = start;
   return state;
 }
 
@@ -91,10 +89,7 @@ TrainingState Trainer::run(TrainingState state) {
   state_.engine = {};  // the engine owns the parameters from here on; no second copy is kept
   order_.set_state(state_.order);
   density_random_.set_state(state_.density_random);
-  in_.facts.max_gaussians = state_.max_gaussians;
-  in_.facts.dense_start = state_.dense_start;
-  in_.facts.normals_at_start = state_.normals_at_start;
-  schedule_ = Schedule(in_.config, in_.facts);
+  schedule_ = Schedule(in_.config, in_.facts, state_.start);
 
   if (!state_.motions.empty() && state_.motions.size() != in_.guides.size()) {
     throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views",
@@ -236,7 +231,7 @@ void Trainer::give_views() {
 RenderOptions Trainer::labelled_rendering(int64_t iteration) const {
   RenderOptions render;
   render.raster = schedule_.request(iteration).raster;
-  render.semantic_blend = semantic_blend_named(in_.config.semantic.blend);
+  render.semantic_blend = in_.config.semantic.blend;
   return render;
 }
 
@@ -254,7 +249,7 @@ void Trainer::fit_planes_now(int64_t iteration, EventLog& events) {
 }
 
 void Trainer::close_room_now(int64_t iteration, EventLog& events) {
-  const size_t cap = in_.facts.max_gaussians;
+  const size_t cap = state_.start.max_gaussians;
   const size_t most = cap > 0 ? most_in_closed_room(cap) : std::numeric_limits<size_t>::max();
   const size_t added =
       close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);

@@ -25,13 +25,13 @@ constexpr double kNearQuantile = 0.01;  // of a view's depths: a few wrong pixel
 // is the only start, and coarse surfaces are better than random ones.
 constexpr double kSureResidual = 0.05, kStartResidual = 0.2;
 
-void decide_depth(const Scene& scene, const std::string& wanted, PriorUse& use) {
+void decide_depth(const Scene& scene, PriorDepthUse wanted, PriorUse& use) {
   use.depth = PriorDepthKind::kRelative;
-  if (wanted == "relative") {
+  if (wanted == PriorDepthUse::kRelative) {
     use.depth_note = "its correlation with the rendered depth is used, as data.prior_depth says";
     return;
   }
-  const bool forced = wanted == "metric";
+  const bool forced = wanted == PriorDepthUse::kMetric;
   DepthPlacement placement =
       forced && !scene.depth_scale_stated ? as_given(scene.train.size()) : place_prior_depth(scene);
   use.depth_note = describe(placement);
@@ -112,10 +112,10 @@ void check_prior_confidence(const Scene& scene, const TrainConfig& config, const
 
 PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config) {
   PriorUse use;
-  const std::string& wanted = config.data.prior_depth;
-  if (wanted != "none" && scene.has_prior_depth()) {
+  const PriorDepthUse wanted = config.data.prior_depth;
+  if (wanted != PriorDepthUse::kNone && scene.has_prior_depth()) {
     decide_depth(scene, wanted, use);
-  } else if (wanted != "none") {
+  } else if (wanted != PriorDepthUse::kNone) {
     use.warnings.push_back(
         "not every training view has prior depth (pred_depths/): training goes on without depth terms");
   }
@@ -141,8 +141,7 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
   prepare.paper = config.loss.paper_normals;
   prepare.prior_normals = use.depth == PriorDepthKind::kMetric && settings_need(config, kNeedsPriorNormal);
   // The control of the bounded coupling pushes as much and where it does, so it has the same omega.
-  prepare.semantic_weights =
-      is_balanced(semantic_coupling_named(config.semantic.coupling)) && config.semantic.coupling_strength > 0;
+  prepare.semantic_weights = is_balanced(config.semantic.coupling) && config.semantic.coupling_strength > 0;
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       ViewData data = load_view(scene, scene.train[i], load_options(config, use, i));

@@ -43,12 +43,12 @@ TEST(TrainingSet, UseOfPriorDepthFollowsTheSetting) {
   Scene scene = scene_with("simulated");
   TrainConfig told = make_preset(Preset::kDefault);
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kMetric);
-  told.data.prior_depth = "relative";
+  told.data.prior_depth = PriorDepthUse::kRelative;
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kRelative);
-  told.data.prior_depth = "metric";
+  told.data.prior_depth = PriorDepthUse::kMetric;
   scene.depth_scale = DepthScale::kPerView;  // by its name alone
   EXPECT_EQ(decide_prior_use(scene, told).placement.count(PlacedBy::kCameras), scene.train.size());
-  told.data.prior_depth = "none";
+  told.data.prior_depth = PriorDepthUse::kNone;
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kNone);
   EXPECT_TRUE(decide_prior_use(scene, told).warnings.empty());  // it was asked for
 }
@@ -108,9 +108,9 @@ TEST(TrainingSet, TheOpacityControlHasTheWeightsOfTheBoundedCoupling) {
   config.semantic.coupling_strength = 0.1;
   const PriorUse use = decide_prior_use(scene, config);
   ThreadPool pool(1);
-  config.semantic.coupling = "bounded";
+  config.semantic.coupling = SemanticCoupling::kBounded;
   const ImageF bounded = load_training_views(scene, config, use, pool)[0].semantic_weight;
-  config.semantic.coupling = "opacity";
+  config.semantic.coupling = SemanticCoupling::kOpacity;
   const ImageF opacity = load_training_views(scene, config, use, pool)[0].semantic_weight;
   ASSERT_FALSE(bounded.empty());
   EXPECT_NE(*std::min_element(bounded.data.begin(), bounded.data.end()),
@@ -124,9 +124,9 @@ TEST(TrainingSet, PlainOrAbsentCouplingNeedsNoWeights) {
   TrainConfig config = make_preset(Preset::kDefault);
   const PriorUse use = decide_prior_use(scene, config);
   ThreadPool pool(1);
-  config.semantic.coupling = "opacity";  // of strength 0
+  config.semantic.coupling = SemanticCoupling::kOpacity;  // of strength 0
   EXPECT_TRUE(load_training_views(scene, config, use, pool)[0].semantic_weight.empty());
-  config.semantic.coupling = "plain";
+  config.semantic.coupling = SemanticCoupling::kPlain;
   config.semantic.coupling_strength = 1;
   EXPECT_TRUE(load_training_views(scene, config, use, pool)[0].semantic_weight.empty());
 }

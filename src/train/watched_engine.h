@@ -29,7 +29,7 @@ class WatchedEngine final : public Engine {
   void save_state(EngineState& state) const override { engine_->save_state(state); }
   void load_state(const EngineState& state) override { engine_->load_state(state); }
   size_t size() const override { return engine_->size(); }
-  void limit_classes(int top_k) override { engine_->limit_classes(top_k); }
+  void prepare(EngineInputs inputs) override { engine_->prepare(std::move(inputs)); }
   bool offers_multi_view() const override { return engine_->offers_multi_view(); }
   void set_pose(int view, const Rigidd& world_to_camera) override { engine_->set_pose(view, world_to_camera); }
   void set_training_views(std::vector<TrainingView> views) override { engine_->set_training_views(std::move(views)); }
@@ -41,8 +41,8 @@ class WatchedEngine final : public Engine {
   void raise_scales(const std::vector<float>& log_floors) override { engine_->raise_scales(log_floors); }
   Rendering render(const Camera& camera, const RenderOptions& o) const override { return engine_->render(camera, o); }
   void lift_semantics(const RasterSettings& raster) override { engine_->lift_semantics(raster); }
-  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& views) const override {
-    return engine_->own_memory(views);
+  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& views, int active_top) const override {
+    return engine_->own_memory(views, active_top);
   }
   uint64_t predicted_bytes(size_t n, int channels, size_t pixels) const override {
     return engine_->predicted_bytes(n, channels, pixels);

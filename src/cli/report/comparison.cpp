@@ -40,7 +40,7 @@ std::string quoted(const std::string& text) {
 
 std::set<std::string> views_of(const RunScores& run) {
   std::set<std::string> names;
-  for (const ViewScore& v : run.views) names.insert(v.view);
+  for (const TestViewMetrics& v : run.views) names.insert(v.name);
   return names;
 }
 
@@ -66,12 +66,12 @@ std::string comparison_csv(const std::vector<RunScores>& runs) {
   return out;
 }
 
-PairedDifference view_difference(const RunScores& base, const RunScores& run, double ViewScore::*score) {
+PairedDifference view_difference(const RunScores& base, const RunScores& run, double TestViewMetrics::*score) {
   std::map<std::string, double> of_base;
-  for (const ViewScore& v : base.views) of_base[v.view] = v.*score;
+  for (const TestViewMetrics& v : base.views) of_base[v.name] = v.*score;
   std::vector<double> a, b;
-  for (const ViewScore& v : run.views) {
-    const auto found = of_base.find(v.view);
+  for (const TestViewMetrics& v : run.views) {
+    const auto found = of_base.find(v.name);
     if (found == of_base.end()) continue;
     a.push_back(found->second);
     b.push_back(v.*score);

@@ -20,7 +20,7 @@ std::string comparison_text(const std::vector<RunScores>& runs);
 
 /// Difference in one figure of `run` from `base`, view by view.
 PairedDifference view_difference(const RunScores& base, const RunScores& run,
-                                 double ViewScore::*score = &ViewScore::psnr);
+                                 double TestViewMetrics::*score = &TestViewMetrics::psnr);
 
 /// Reasons why the figures are hard to compare: other test views, another protocol, simulated priors beside real ones.
 std::vector<std::string> comparison_warnings(const std::vector<RunScores>& runs);

@@ -8,14 +8,14 @@
 #include <sstream>
 #include <utility>
 
-#include "cli/report/json_field.h"
 #include "cli/report/overview.h"
 #include "cli/report/picture_cell.h"
 #include "cli/report/svg_chart.h"
 #include "engine/loss_catalogue.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
-#include "metrics/semantic_metrics.h"
+#include "metrics/metrics_json.h"
+#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -36,15 +36,8 @@ pre{background:#f8fafc;padding:10px;overflow:auto;font-size:12.5px} svg{max-widt
 .chart-title{font:600 13px system-ui} .tick,.legend{font:11px system-ui} .tick{fill:#6b7280} .grid{stroke:#e5e7eb}
 )";
 
-Json read_json(const fs::path& file) {
-  if (!fs::exists(file)) return Json::object();
-  Json value = parse_json(read_file(file));
-  return value.is_object() ? value : Json::object();
-}
-
-/// A number at a dotted path, formatted; "–" when absent or null.
-std::string number(const Json& root, const std::string& path, const char* format) {
-  const double value = number_at(root, path);
+/// A figure, formatted; "–" when it was not measured.
+std::string number(double value, const char* format) {
   return std::isnan(value) ? "–" : fmt::format(fmt::runtime(format), value);
 }
 
@@ -52,19 +45,27 @@ std::string card(const std::string& name, const std::string& value) {
   return fmt::format("<div class=\"card\"><b>{}</b>{}</div>", value, escape_html(name));
 }
 
-std::string summary(const Json& metrics) {
-  return "<div class=\"cards\">" + card("PSNR (dB)", number(metrics, "nvs.psnr", "{:.2f}")) +
-         card("SSIM", number(metrics, "nvs.ssim", "{:.3f}")) +
-         card("F-score at 5 cm", number(metrics, "geometry.fscore", "{:.3f}")) +
-         card("F-score at 2 cm", number(metrics, "geometry.fscore_2cm", "{:.3f}")) +
-         card("normal error (degrees)", number(metrics, "geometry.surface.normal_error_median_deg", "{:.1f}")) +
-         card("accuracy (m)", number(metrics, "geometry.accuracy", "{:.3f}")) +
-         card("completeness (m)", number(metrics, "geometry.completeness", "{:.3f}")) +
+std::string summary(const RunMetrics& metrics) {
+  const NovelViewMetrics views = metrics.novel_views.value_or(NovelViewMetrics());
+  const auto mesh = [&](double MeshScores::*figure) {
+    return metrics.geometry ? metrics.geometry->headline.scores.*figure : kUndefined;
+  };
+  const double fscore_2cm = metrics.geometry ? finer_fscore(metrics.geometry->headline.scores, 0.02) : kUndefined;
+  const double normal_error = metrics.geometry ? metrics.geometry->surface.normal_error.median : kUndefined;
+  const double gaussians = metrics.train.gaussians ? static_cast<double>(*metrics.train.gaussians) : kUndefined;
+  return "<div class=\"cards\">" + card("PSNR (dB)", number(views.psnr, "{:.2f}")) +
+         card("SSIM", number(views.ssim, "{:.3f}")) +
+         card("F-score at 5 cm", number(mesh(&MeshScores::fscore), "{:.3f}")) +
+         card("F-score at 2 cm", number(fscore_2cm, "{:.3f}")) +
+         card("normal error (degrees)", number(normal_error, "{:.1f}")) +
+         card("accuracy (m)", number(mesh(&MeshScores::accuracy), "{:.3f}")) +
+         card("completeness (m)", number(mesh(&MeshScores::completeness), "{:.3f}")) +
          card(fmt::format("mIoU, classes with at least {:g} % of the pixels", 100 * kLeastClassShare),
-              number(metrics, "semantics.miou", "{:.3f}")) +
-         card("mIoU, all classes present", number(metrics, "semantics.present.miou", "{:.3f}")) +
-         card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
-         card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
+              number(metrics.semantics ? metrics.semantics->miou : kUndefined, "{:.3f}")) +
+         card("mIoU, all classes present",
+              number(metrics.semantics ? metrics.semantics->present_miou : kUndefined, "{:.3f}")) +
+         card("Gaussians", number(gaussians, "{:.0f}")) +
+         card("training (s)", number(metrics.train.seconds, "{:.1f}")) + "</div>";
 }
 
 std::string pictures(const fs::path& run) {
@@ -151,83 +152,78 @@ std::string charts(const fs::path& run) {
          svg_line_chart({"Gaussians", "iteration", "", false}, series_of(events, {"gaussians"}));
 }
 
-std::string per_view_table(const Json& metrics) {
-  if (!metrics.contains("per_view") || !metrics["per_view"].is_array() || metrics["per_view"].empty()) return "";
+std::string per_view_table(const std::vector<TestViewMetrics>& views) {
+  if (views.empty()) return "";
   std::string html =
       "<h2>Test views</h2><table><tr><th>view</th><th>PSNR</th><th>after colour fit</th><th>after pose "
       "fit</th><th>SSIM</th><th>label accuracy</th></tr>";
-  for (const Json& view : metrics["per_view"]) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-                        escape_html(view.value("name", std::string())), number(view, "psnr", "{:.2f}"),
-                        number(view, "psnr_exposure_fitted", "{:.2f}"), number(view, "pose_refined.psnr", "{:.2f}"),
-                        number(view, "ssim", "{:.3f}"), number(view, "label_accuracy", "{:.3f}"));
+  for (const TestViewMetrics& view : views) {
+    html +=
+        fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+                    escape_html(view.name), number(view.psnr, "{:.2f}"), number(view.psnr_exposure_fitted, "{:.2f}"),
+                    number(view.pose_refined ? view.pose_refined->psnr : kUndefined, "{:.2f}"),
+                    number(view.ssim, "{:.3f}"), number(view.label_accuracy, "{:.3f}"));
   }
   return html + "</table>";
 }
 
-/// Smoothness and closedness of the mesh (metrics/surface_quality.h).
-std::string surface_table(const Json& metrics) {
-  if (!metrics["geometry"].contains("surface")) return "";
-  const auto row = [&](const char* what, const char* all, const char* structure, const char* format) {
-    return fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", what,
-                       number(metrics, std::string("geometry.surface.") + all, format),
-                       *structure ? number(metrics, std::string("geometry.surface.") + structure, format) : "–");
+/// Smoothness and closedness of the mesh (metrics/surface_quality.h); nothing for files from before they were measured.
+std::string surface_table(const SurfaceQuality& s) {
+  if (std::isnan(s.normal_error.median) && std::isnan(s.pinholes)) return "";
+  const auto row = [](const char* what, double everywhere, double structure, const char* format) {
+    return fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", what, number(everywhere, format),
+                       number(structure, format));
   };
   return "<h2>Surface</h2><table><tr><th></th><th>everywhere</th><th>walls, floor, ceiling</th></tr>" +
-         row("normal error, median (degrees)", "normal_error_median_deg", "structure_normal_error_median_deg",
-             "{:.2f}") +
-         row("normal error, mean (degrees)", "normal_error_mean_deg", "structure_normal_error_mean_deg", "{:.2f}") +
-         row("roughness on planes, median (degrees)", "roughness_median_deg", "", "{:.2f}") +
-         row("roughness on planes, mean (degrees)", "roughness_mean_deg", "", "{:.2f}") +
-         row("pinholes (share of the seen surface)", "pinholes", "structure_pinholes", "{:.4f}") + "</table>";
+         row("normal error, median (degrees)", s.normal_error.median, s.structure_normal_error.median, "{:.2f}") +
+         row("normal error, mean (degrees)", s.normal_error.mean, s.structure_normal_error.mean, "{:.2f}") +
+         row("roughness on planes, median (degrees)", s.roughness.median, kUndefined, "{:.2f}") +
+         row("roughness on planes, mean (degrees)", s.roughness.mean, kUndefined, "{:.2f}") +
+         row("pinholes (share of the seen surface)", s.pinholes, s.structure_pinholes, "{:.4f}") + "</table>";
 }
 
-std::string geometry_table(const Json& metrics) {
-  if (!metrics.contains("geometry") || !metrics["geometry"].is_object() || !metrics["geometry"].contains("variants"))
-    return "";
+std::string geometry_table(const std::optional<MeshEvaluation>& geometry) {
+  if (!geometry) return "";
   std::string html =
       "<h2>Geometry</h2><table><tr><th>protocol</th><th>Acc (m)</th><th>Comp "
       "(m)</th><th>Prec</th><th>Recall</th><th>F</th><th>F at 2 cm</th><th>F at 1 cm</th></tr>";
-  for (const Json& v : metrics["geometry"]["variants"]) {
-    html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-        escape_html(v.value("protocol", std::string())), number(v, "accuracy", "{:.4f}"),
-        number(v, "completeness", "{:.4f}"), number(v, "precision", "{:.3f}"), number(v, "recall", "{:.3f}"),
-        number(v, "fscore", "{:.3f}"), number(v, "fscore_2cm", "{:.3f}"), number(v, "fscore_1cm", "{:.3f}"));
+  for (const MeshProtocolResult& v : geometry->variants) {
+    const MeshScores& s = v.scores;
+    html +=
+        fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+                    escape_html(protocol_text(v)), number(s.accuracy, "{:.4f}"), number(s.completeness, "{:.4f}"),
+                    number(s.precision, "{:.3f}"), number(s.recall, "{:.3f}"), number(s.fscore, "{:.3f}"),
+                    number(finer_fscore(s, 0.02), "{:.3f}"), number(finer_fscore(s, 0.01), "{:.3f}"));
   }
-  return html + "</table>" + surface_table(metrics);
+  return html + "</table>" + surface_table(geometry->surface);
 }
 
-std::string notes(const Json& run, const Json& metrics) {
+std::string notes(const RunRecord& run, const std::string& priors) {
   std::string html;
-  const std::string priors =
-      metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
   if (priors.find("simulated") != std::string::npos) {
     html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) +
             "): these figures do not show how real networks would do.</p>";
   }
-  if (run.contains("warnings") && run["warnings"].is_array()) {
-    for (const Json& w : run["warnings"]) {
-      if (w.is_string()) html += "<p class=\"note\">" + escape_html(w.get<std::string>()) + "</p>";
-    }
-  }
+  for (const std::string& warning : run.warnings) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
   return html;
 }
 
 }  // namespace
 
 std::string html_report(const fs::path& run) {
-  const Json state = read_json(run / "run.json"), metrics = read_json(run / "metrics.json");
+  const fs::path record_file = run / "run.json", metrics_file = run / "metrics.json";
+  const RunRecord record = fs::exists(record_file) ? read_run_record(record_file) : RunRecord();
+  const RunMetrics metrics = fs::exists(metrics_file) ? read_metrics(metrics_file) : RunMetrics();
   const std::string title = "aligngs: " + fs::absolute(run).lexically_normal().filename().string();
   const std::string config = fs::exists(run / "config.toml") ? read_file(run / "config.toml") : "";
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width\"><title>" +
       escape_html(title) + "</title><style>" + kReportStyle + "</style><h1>" + escape_html(title) + "</h1>";
-  html += "<p><code>" + escape_html(state.value("command", std::string())) + "</code></p>";
-  html += notes(state, metrics) + summary(metrics);
-  html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics) + per_view_table(metrics) +
-          charts(run);
+  html += "<p><code>" + escape_html(record.command) + "</code></p>";
+  html += notes(record, metrics.priors) + summary(metrics);
+  html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics.geometry) +
+          per_view_table(metrics.views) + charts(run);
   html += "<h2>Settings</h2><details><summary>config.toml</summary><pre>" + escape_html(config) + "</pre></details>";
   return html + "</html>\n";
 }

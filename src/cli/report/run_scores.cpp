@@ -3,59 +3,80 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
 
-#include "cli/report/json_field.h"
 #include "core/error.h"
-#include "io/atomic_file.h"
-#include "io/json_text.h"
+#include "metrics/metrics_json.h"
 
 namespace aligngs {
 
-using Json = nlohmann::json;
-
 namespace {
 
-std::string text_at(const Json& node, const char* key) {
-  return node.is_object() && node.contains(key) && node[key].is_string() ? node[key].get<std::string>() : std::string();
+double views(const RunMetrics& m, double NovelViewMetrics::*figure) {
+  return m.novel_views ? (*m.novel_views).*figure : kUndefined;
+}
+
+double group_psnr(const RunMetrics& m, std::optional<ViewGroupMetrics> NovelViewMetrics::*group) {
+  return m.novel_views && (*m.novel_views).*group ? ((*m.novel_views).*group)->psnr : kUndefined;
+}
+
+double mesh(const RunMetrics& m, double MeshScores::*figure) {
+  return m.geometry ? m.geometry->headline.scores.*figure : kUndefined;
 }
 
 }  // namespace
 
 const std::array<ScoreColumn, kScoreCount>& score_columns() {
   static constexpr std::array<ScoreColumn, kScoreCount> kColumns = {{
-      {"PSNR (dB)", "psnr", "nvs.psnr", 2},
-      {"after colour fit", "psnr_fitted", "nvs.exposure_fitted.psnr", 2},
-      {"after pose fit", "psnr_pose", "nvs.pose_refined.psnr", 2},
-      {"between", "psnr_interpolating", "nvs.interpolating.psnr", 2},
-      {"beyond", "psnr_extrapolating", "nvs.extrapolating.psnr", 2},
-      {"SSIM", "ssim", "nvs.ssim", 3},
-      {"LPIPS", "lpips", "nvs.lpips", 3},
-      {"Acc (m)", "accuracy", "geometry.accuracy", 4},
-      {"Comp (m)", "completeness", "geometry.completeness", 4},
-      {"Prec", "precision", "geometry.precision", 3},
-      {"Recall", "recall", "geometry.recall", 3},
-      {"F", "fscore", "geometry.fscore", 3},
-      {"F at 2 cm", "fscore_2cm", "geometry.fscore_2cm", 3},
-      {"F at 1 cm", "fscore_1cm", "geometry.fscore_1cm", 3},
-      {"normals (deg)", "normal_error_deg", "geometry.surface.normal_error_median_deg", 2},
-      {"on structure", "structure_normal_error_deg", "geometry.surface.structure_normal_error_median_deg", 2},
-      {"roughness (deg)", "roughness_deg", "geometry.surface.roughness_median_deg", 2},
-      {"pinholes", "pinholes", "geometry.surface.pinholes", 4},
-      {"mIoU (classes from 0.1 %)", "miou", "semantics.miou", 3},
-      {"mIoU (all present)", "miou_present", "semantics.present.miou", 3},
-      {"seconds", "seconds", "train.seconds", 0},
-      {"Gaussians", "gaussians", "train.gaussians", 0},
+      {"PSNR (dB)", "psnr", [](const RunMetrics& m) { return views(m, &NovelViewMetrics::psnr); }, 2},
+      {"after colour fit", "psnr_fitted",
+       [](const RunMetrics& m) { return views(m, &NovelViewMetrics::psnr_exposure_fitted); }, 2},
+      {"after pose fit", "psnr_pose",
+       [](const RunMetrics& m) {
+         return m.novel_views && m.novel_views->pose_refined ? m.novel_views->pose_refined->psnr : kUndefined;
+       },
+       2},
+      {"between", "psnr_interpolating",
+       [](const RunMetrics& m) { return group_psnr(m, &NovelViewMetrics::interpolating); }, 2},
+      {"beyond", "psnr_extrapolating",
+       [](const RunMetrics& m) { return group_psnr(m, &NovelViewMetrics::extrapolating); }, 2},
+      {"SSIM", "ssim", [](const RunMetrics& m) { return views(m, &NovelViewMetrics::ssim); }, 3},
+      {"LPIPS", "lpips", [](const RunMetrics& m) { return views(m, &NovelViewMetrics::lpips); }, 3},
+      {"Acc (m)", "accuracy", [](const RunMetrics& m) { return mesh(m, &MeshScores::accuracy); }, 4},
+      {"Comp (m)", "completeness", [](const RunMetrics& m) { return mesh(m, &MeshScores::completeness); }, 4},
+      {"Prec", "precision", [](const RunMetrics& m) { return mesh(m, &MeshScores::precision); }, 3},
+      {"Recall", "recall", [](const RunMetrics& m) { return mesh(m, &MeshScores::recall); }, 3},
+      {"F", "fscore", [](const RunMetrics& m) { return mesh(m, &MeshScores::fscore); }, 3},
+      {"F at 2 cm", "fscore_2cm",
+       [](const RunMetrics& m) { return m.geometry ? finer_fscore(m.geometry->headline.scores, 0.02) : kUndefined; },
+       3},
+      {"F at 1 cm", "fscore_1cm",
+       [](const RunMetrics& m) { return m.geometry ? finer_fscore(m.geometry->headline.scores, 0.01) : kUndefined; },
+       3},
+      {"normals (deg)", "normal_error_deg",
+       [](const RunMetrics& m) { return m.geometry ? m.geometry->surface.normal_error.median : kUndefined; }, 2},
+      {"on structure", "structure_normal_error_deg",
+       [](const RunMetrics& m) { return m.geometry ? m.geometry->surface.structure_normal_error.median : kUndefined; },
+       2},
+      {"roughness (deg)", "roughness_deg",
+       [](const RunMetrics& m) { return m.geometry ? m.geometry->surface.roughness.median : kUndefined; }, 2},
+      {"pinholes", "pinholes",
+       [](const RunMetrics& m) { return m.geometry ? m.geometry->surface.pinholes : kUndefined; }, 4},
+      {"mIoU (classes from 0.1 %)", "miou",
+       [](const RunMetrics& m) { return m.semantics ? m.semantics->miou : kUndefined; }, 3},
+      {"mIoU (all present)", "miou_present",
+       [](const RunMetrics& m) { return m.semantics ? m.semantics->present_miou : kUndefined; }, 3},
+      {"seconds", "seconds", [](const RunMetrics& m) { return m.train.seconds; }, 0},
+      {"Gaussians", "gaussians",
+       [](const RunMetrics& m) { return m.train.gaussians ? static_cast<double>(*m.train.gaussians) : kUndefined; }, 0},
   }};
   return kColumns;
 }
 
 const std::array<ViewScoreColumn, 3>& view_score_columns() {
   static constexpr std::array<ViewScoreColumn, 3> columns = {
-      {{"PSNR (dB)", "psnr", &ViewScore::psnr, 2},
-       {"SSIM", "ssim", &ViewScore::ssim, 3},
-       {"label accuracy", "label_accuracy", &ViewScore::label_accuracy, 3}}};
+      {{"PSNR (dB)", "psnr", &TestViewMetrics::psnr, 2},
+       {"SSIM", "ssim", &TestViewMetrics::ssim, 3},
+       {"label accuracy", "label_accuracy", &TestViewMetrics::label_accuracy, 3}}};
   return columns;
 }
 
@@ -65,22 +86,15 @@ RunScores read_run_scores(const std::filesystem::path& run) {
     throw_bad_input(file, "metrics.json", "this run has not been measured",
                     "run `aligngs eval " + run.string() + "` first");
   }
-  const Json metrics = parse_json(read_file(file));
-  if (!metrics.is_object()) throw_bad_input(file, "metrics.json", "is not JSON", "measure again with `aligngs eval`");
+  const RunMetrics metrics = read_metrics(file);
   RunScores out;
   out.folder = run;
   out.name = std::filesystem::absolute(run).lexically_normal().filename().string();
   if (out.name.empty()) out.name = std::filesystem::absolute(run).lexically_normal().parent_path().filename().string();
-  for (size_t i = 0; i < kScoreCount; ++i) out.score[i] = number_at(metrics, score_columns()[i].field);
-  if (metrics.contains("per_view") && metrics["per_view"].is_array()) {
-    for (const Json& view : metrics["per_view"]) {
-      ViewScore score{text_at(view, "name")};
-      for (const ViewScoreColumn& c : view_score_columns()) score.*c.score = number_at(view, c.field);
-      out.views.push_back(std::move(score));
-    }
-  }
-  if (metrics.contains("geometry")) out.protocol = text_at(metrics["geometry"], "protocol");
-  out.priors = text_at(metrics, "priors");
+  for (size_t i = 0; i < kScoreCount; ++i) out.score[i] = score_columns()[i].value(metrics);
+  out.views = metrics.views;
+  if (metrics.geometry) out.protocol = protocol_text(metrics.geometry->headline);
+  out.priors = metrics.priors;
   return out;
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "metrics/run_metrics.h"
+
 namespace aligngs {
 
 /// Columns of a comparison, in the order in which they are printed. "between" and "beyond" are the PSNR (dB) of test
@@ -39,21 +41,16 @@ inline constexpr size_t kScoreCount = 22;
 struct ScoreColumn {
   const char* name;      ///< heading, with unit
   const char* csv_name;  ///< column of the CSV
-  const char* field;     ///< dotted path in metrics.json
-  int digits;            ///< after the decimal point
+  double (*value)(const RunMetrics&);
+  int digits;  ///< after the decimal point
 };
 const std::array<ScoreColumn, kScoreCount>& score_columns();
 
-/// Figures that every test view has of its own: only these have intervals when two runs are compared. NaN = none.
-struct ViewScore {
-  std::string view;
-  double psnr = 0, ssim = 0, label_accuracy = 0;
-};
-
+/// Figures that every test view has of its own: only these have intervals when two runs are compared.
 struct ViewScoreColumn {
-  const char* name;   ///< with unit
-  const char* field;  ///< in metrics.json's per_view[]
-  double ViewScore::*score;
+  const char* name;      ///< with unit
+  const char* csv_name;  ///< begin of the member of JSON that has its difference
+  double TestViewMetrics::*score;
   int digits;
 };
 const std::array<ViewScoreColumn, 3>& view_score_columns();
@@ -62,9 +59,9 @@ struct RunScores {
   std::string name;  ///< last part of the folder's path
   std::filesystem::path folder;
   std::array<double, kScoreCount> score{};  ///< NaN where the run has no such figure
-  std::vector<ViewScore> views;             ///< test views
-  std::string protocol;                     ///< of the geometry figures
-  std::string priors;                       ///< "simulated ..." where they are
+  std::vector<TestViewMetrics> views;
+  std::string protocol;  ///< of the geometry figures
+  std::string priors;    ///< "simulated ..." where they are
 
   double operator[](Score s) const { return score[static_cast<size_t>(s)]; }
 };

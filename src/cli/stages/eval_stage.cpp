@@ -1,17 +1,10 @@
 #include "cli/stages/eval_stage.h"
 
-#include <fmt/format.h>
-#include <array>
-#include <string_view>
-
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cli/report/json_field.h"
 #include "cli/stages/perceptual_metric.h"
-#include "core/error.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -23,8 +16,6 @@
 #include "refine/photo_alignment.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
-#include "train/run_folder.h"
-#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -57,7 +48,8 @@ PoseError pose_error(const Camera& camera, const Camera& truth, const Similarity
 }
 
 /// Scores with the pose fitted to the test photo itself; the scene is frozen.
-RefinedPoseMetrics measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const Similarity& to_truth) {
+RefinedPoseMetrics measure_with_refined_pose(LoadedRun& run, int view, const ViewData& data,
+                                             const Similarity& to_truth) {
   RenderOptions options = run.render_options();
   options.labels = false;
   const LookAtScene look = [&](const Camera& camera) {
@@ -73,30 +65,30 @@ RefinedPoseMetrics measure_with_refined_pose(OpenRun& run, int view, const ViewD
   refined.shift = norm(aligned.camera.centre() - data.camera.centre());
   refined.turn_degrees =
       rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation, data.camera.world_to_camera.rotation);
-  if (const std::optional<Camera>& truth = run.scene.views[static_cast<size_t>(view)].truth_camera) {
+  if (const std::optional<Camera>& truth = run.scene().views[static_cast<size_t>(view)].truth_camera) {
     refined.before = pose_error(data.camera, *truth, to_truth);
     refined.after = pose_error(aligned.camera, *truth, to_truth);
   }
   return refined;
 }
 
-void measure_views(OpenRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
-  ConfusionMatrix confusion(run.scene.labels.size()), taught(run.scene.labels.size());
+void measure_views(LoadedRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
+  ConfusionMatrix confusion(run.scene().labels.size()), taught(run.scene().labels.size());
   bool labelled = false, judged = false;
-  const std::vector<Camera> training = true_training_cameras(run.scene);
-  const double metres_per_unit = run.scene.metric ? 1 : kMetresPerExtent / robust_extent(run.scene);
+  const std::vector<Camera> training = true_training_cameras(run.scene());
+  const double metres_per_unit = run.scene().metric ? 1 : kMetresPerExtent / robust_extent(run.scene());
   const PerceptualMetric perceptual(ModelStore(ModelStoreOptions::from_environment(true)), *run.pool);
-  Progress progress(options.progress, "evaluate views", run.scene.test.size());
+  Progress progress(options.progress, "evaluate views", run.scene().test.size());
   LoadOptions load = run.load_options();
-  load.scores_as_logits = run.config.data.scores_as_logits;
+  load.scores_as_logits = run.config().data.scores_as_logits;
   // the teacher is judged by its best class of every pixel, whatever the run itself makes of its scores
   load.least_score_sum = 0;
-  const Similarity to_truth = align_on_training_cameras(evaluation_cameras_of(run.scene)).similarity;
-  for (const int index : run.scene.test) {
-    const View& view = run.scene.views[index];
+  const Similarity to_truth = align_on_training_cameras(evaluation_cameras_of(run.scene())).similarity;
+  for (const int index : run.scene().test) {
+    const View& view = run.scene().views[index];
     const bool labels = run.has_labels() && !view.truth_labels.empty();
     load.semantics = labels;  // the teacher's own, to be judged beside the rendered ones
-    const ViewData data = load_view(run.scene, index, load);
+    const ViewData data = load_view(run.scene(), index, load);
     Rendering rendering = run.engine->render(data.camera, run.render_options());
     run.expose_as(index, rendering.color);
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
@@ -105,16 +97,16 @@ void measure_views(OpenRun& run, const EvalStageOptions& options, RunMetrics& me
     entry.psnr = scores.psnr;
     entry.ssim = scores.ssim;
     entry.psnr_exposure_fitted = scores.psnr_affine_crossfit;
-    const ViewNovelty novelty = view_novelty(run.scene.evaluation_cameras[static_cast<size_t>(index)], training);
+    const ViewNovelty novelty = view_novelty(run.scene().evaluation_cameras[static_cast<size_t>(index)], training);
     entry.extrapolates = extrapolates(novelty, metres_per_unit);
     if (const auto distances = perceptual.measure(rendering.color, data.color, data.mask)) {
       entry.lpips = distances->canonical;
       entry.lpips_unit = distances->unit;
     }
     if (labels) {
-      const Image<uint16_t> truth = load_truth_labels(run.scene, index, data.camera);
+      const Image<uint16_t> truth = load_truth_labels(run.scene(), index, data.camera);
       confusion.add(truth, rendering.label);
-      ConfusionMatrix own(run.scene.labels.size());
+      ConfusionMatrix own(run.scene().labels.size());
       own.add(truth, rendering.label);
       entry.label_accuracy = own.scores().accuracy;
       labelled = true;
@@ -125,10 +117,10 @@ void measure_views(OpenRun& run, const EvalStageOptions& options, RunMetrics& me
     metrics.views.push_back(std::move(entry));
     progress.update(metrics.views.size());
   }
-  metrics.views_measured = true;
-  metrics.lpips_note = perceptual.reason().empty()
-                           ? "VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]"
-                           : perceptual.reason();
+  metrics.novel_views =
+      novel_view_metrics(metrics.views, perceptual.reason().empty()
+                                            ? "VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]"
+                                            : perceptual.reason());
   if (labelled) metrics.semantics = confusion.scores();
   if (judged) metrics.teacher = taught.scores();
 }
@@ -143,38 +135,33 @@ std::vector<uint8_t> structural_classes(const LabelSet& labels) {
 }
 
 /// Geometry and mesh labels against the true mesh; empty when either mesh is missing.
-void measure_mesh(OpenRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
-  const fs::path truth_file = options.truth_mesh.empty() ? run.scene.truth_mesh : options.truth_mesh;
-  const fs::path mesh_file = options.mesh.empty() ? run.folder / "mesh" / "mesh.ply" : options.mesh;
+void measure_mesh(LoadedRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
+  const fs::path truth_file = options.truth_mesh.empty() ? run.scene().truth_mesh : options.truth_mesh;
+  const fs::path mesh_file = options.mesh.empty() ? run.folder() / "mesh" / "mesh.ply" : options.mesh;
   if (truth_file.empty() || !fs::exists(truth_file)) return;
   if (!fs::exists(mesh_file)) {
     log_warning("{} is missing, so geometry is not measured (run `aligngs mesh` first)", mesh_file.string());
     return;
   }
   const TriangleMesh predicted = read_mesh_ply(mesh_file), truth = read_mesh_ply(truth_file);
-  MeshEvaluationInput input = evaluation_cameras_of(run.scene);
+  MeshEvaluationInput input = evaluation_cameras_of(run.scene());
   input.predicted = &predicted;
   input.truth = &truth;
-  input.structural = structural_classes(run.scene.labels);
-  metrics.geometry = evaluate_mesh(input, run.scene.metric, options.icp, *run.pool);
+  input.structural = structural_classes(run.scene().labels);
+  metrics.geometry = evaluate_mesh(input, run.scene().metric, options.icp, *run.pool);
   if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() &&
       !truth.vertices.empty() && run.has_labels()) {
     const TriangleMesh seen = cull_to_first_hits(truth, input.truth_cameras, *run.pool);
     const TriangleMesh moved = transformed(predicted, metrics.geometry->headline.alignment_report.similarity);
-    metrics.mesh_labels = compare_mesh_labels(moved, seen, run.scene.labels.size(), *run.pool);
+    metrics.mesh_labels = compare_mesh_labels(moved, seen, run.scene().labels.size(), *run.pool);
   }
 }
 
-TrainingMetrics training_metrics(const OpenRun& run) {
+TrainingMetrics training_metrics(const LoadedRun& run) {
   TrainingMetrics train;
-  train.iterations = run.config.train.iterations;
-  train.gaussians = run.model.size();
-  train.device = run.engine->device_name();
-  const RunFolder folder(run.folder);
-  if (!folder.has_run()) return train;
-  const RunRecord record = read_run_record(folder.record());
+  const RunRecord& record = run.opened->record;
   train.seconds = record.train.seconds;
-  train.iterations = record.train.iterations;
+  train.iterations = static_cast<uint64_t>(record.train.iterations);
   train.gaussians = record.train.gaussians;
   train.iterations_per_second = record.train.iterations_per_second;
   train.peak_memory_bytes = record.train.peak_memory_bytes;
@@ -184,58 +171,18 @@ TrainingMetrics training_metrics(const OpenRun& run) {
 
 }  // namespace
 
-RunMetrics evaluate_run(OpenRun& run, const EvalStageOptions& options) {
+RunMetrics evaluate_run(LoadedRun& run, const EvalStageOptions& options) {
   RunMetrics metrics;
-  metrics.scene_source = run.scene.source;
-  metrics.priors = run.scene.prior_source;
+  metrics.scene_source = run.scene().source;
+  metrics.priors = run.scene().prior_source;
   metrics.width = run.working_camera(0).width;
   metrics.height = run.working_camera(0).height;
-  metrics.labels = run.scene.labels;
+  metrics.labels = run.scene().labels;
   if (options.views) measure_views(run, options, metrics);
   measure_mesh(run, options, metrics);
   metrics.train = training_metrics(run);
-  if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", json_document(metrics_json(metrics)));
+  if (options.mesh.empty()) write_file_atomically(run.folder() / "metrics.json", json_document(metrics_json(metrics)));
   return metrics;
-}
-
-std::vector<LeastValue> least_values(const std::vector<std::string>& conditions) {
-  const std::vector<std::pair<std::string, std::string>> short_names = {
-      {"psnr", "nvs.psnr"}, {"ssim", "nvs.ssim"}, {"fscore", "geometry.fscore"}, {"miou", "semantics.miou"}};
-  std::vector<LeastValue> values;
-  for (const std::string& condition : conditions) {
-    const size_t equals = condition.find('=');
-    char* end = nullptr;
-    const double wanted = equals == std::string::npos ? 0 : std::strtod(condition.c_str() + equals + 1, &end);
-    if (equals == std::string::npos || end == condition.c_str() + equals + 1 || *end != '\0' || !std::isfinite(wanted))
-      throw_usage("--fail-under needs name=number, got \"" + condition + "\"", "for example --fail-under psnr=24");
-    std::string path = condition.substr(0, equals);
-    const auto is_short = [&](const auto& name) { return name.first == path; };
-    const auto known = std::find_if(short_names.begin(), short_names.end(), is_short);
-    if (known != short_names.end()) path = known->second;
-    constexpr std::array<std::string_view, 4> kParts = {"nvs", "geometry", "semantics", "train"};
-    if (std::find(kParts.begin(), kParts.end(), path.substr(0, path.find('.'))) == kParts.end()) {
-      throw_usage("--fail-under: there is no figure \"" + path + "\"",
-                  "names are psnr, ssim, fscore, miou, and those of metrics.json, as geometry.recall");
-    }
-    values.push_back({path, wanted});
-  }
-  return values;
-}
-
-void require_at_least(const RunMetrics& metrics, const std::vector<LeastValue>& values) {
-  if (values.empty()) return;
-  const nlohmann::json document = metrics_json(metrics);  // whose names a person gives
-  for (const auto& [path, least] : values) {
-    const double value = number_at(document, path);
-    if (std::isnan(value)) {
-      throw_usage("--fail-under: this run has no number \"" + path + "\"",
-                  "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
-    }
-    if (value < least) {
-      throw Error(
-          {ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, least), {}, {}, {}});
-    }
-  }
 }
 
 }  // namespace aligngs

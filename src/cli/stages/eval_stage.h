@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "core/progress.h"
 #include "metrics/run_metrics.h"
 
@@ -21,18 +21,6 @@ struct EvalStageOptions {
 };
 
 /// Measures and writes metrics.json (unless another mesh was given). Parts without truth stay empty, never a substitute.
-RunMetrics evaluate_run(OpenRun& run, const EvalStageOptions& options);
-
-/// A condition of --fail-under.
-struct LeastValue {
-  std::string path;  ///< "nvs.psnr"
-  double least = 0;  ///< in the figure's unit
-};
-/// Reads conditions such as "psnr=24" or "geometry.fscore=0.5"; call before long work. Error{kUsage} when one cannot be
-/// read, is not finite or names no part of metrics.json. Short names: psnr, ssim, fscore, miou.
-std::vector<LeastValue> least_values(const std::vector<std::string>& conditions);
-
-/// Error{kBelow} (status 6) when a figure is lower, Error{kUsage} when the metrics do not have it.
-void require_at_least(const RunMetrics& metrics, const std::vector<LeastValue>& values);
+RunMetrics evaluate_run(LoadedRun& run, const EvalStageOptions& options);
 
 }  // namespace aligngs

@@ -15,11 +15,11 @@ namespace {
 // of a depth on a plane of the room beside a rendered one, when surfaces are smoothed
 constexpr float kPlaneCertainty = 100;
 
-FusionOptions fusion_options(const OpenRun& run) {
-  const MeshConfig& mesh = run.config.mesh;
+FusionOptions fusion_options(const LoadedRun& run) {
+  const MeshConfig& mesh = run.config().mesh;
   FusionOptions options;
-  options.metric = run.scene.metric;
-  options.extent = robust_extent(run.scene);
+  options.metric = run.scene().metric;
+  options.extent = robust_extent(run.scene());
   options.voxel = mesh.voxel;
   options.truncation = mesh.truncation;
   options.max_depth = mesh.max_depth;
@@ -36,19 +36,20 @@ FusionOptions fusion_options(const OpenRun& run) {
 }
 
 ImageF chosen_depth(const Rendering& rendering, const MeshConfig& mesh) {
-  if (mesh.depth == "agreeing")
+  if (mesh.depth == FusedDepth::kAgreeing)
     return agreeing_depth(rendering.depth_plane, rendering.depth_median, mesh.depth_agreement);
-  return mesh.depth == "plane"      ? rendering.depth_plane
-         : mesh.depth == "expected" ? rendering.depth_expected
-                                    : rendering.depth_median;
+  return mesh.depth == FusedDepth::kPlane      ? rendering.depth_plane
+         : mesh.depth == FusedDepth::kExpected ? rendering.depth_expected
+                                               : rendering.depth_median;
 }
 
-FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string& name, const RenderOptions& options) {
+FusionFrame rendered_frame(LoadedRun& run, const Camera& camera, const std::string& name,
+                           const RenderOptions& options) {
   const Rendering rendering = run.engine->render(camera, options);
   FusionFrame frame;
   frame.name = name;
   frame.camera = camera;
-  frame.depth = chosen_depth(rendering, run.config.mesh);
+  frame.depth = chosen_depth(rendering, run.config().mesh);
   frame.color = rendering.color;
   frame.normal = rendering.normal;
   frame.alpha = rendering.alpha;
@@ -57,18 +58,18 @@ FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string
   return frame;
 }
 
-FusionFrame prior_frame(const OpenRun& run, const ViewPlacement& placement, int view) {
+FusionFrame prior_frame(const LoadedRun& run, const ViewPlacement& placement, int view) {
   LoadOptions options = run.load_options();
   options.prior_depth = true;
   options.depth_factor = placement.factor;
   if (!(placement.factor > 0)) {
-    throw_bad_input(run.scene.folder / "priors.json", run.scene.views[static_cast<size_t>(view)].name,
+    throw_bad_input(run.scene().folder / "priors.json", run.scene().views[static_cast<size_t>(view)].name,
                     "nothing tells the scale of this view's prior depth",
                     "fuse rendered depth instead (without --from-prior)");
   }
-  const ViewData data = load_view(run.scene, view, options);
+  const ViewData data = load_view(run.scene(), view, options);
   if (data.prior_depth.empty()) {
-    throw_bad_input(run.scene.folder / "pred_depths", data.name, "this view has no prior depth",
+    throw_bad_input(run.scene().folder / "pred_depths", data.name, "this view has no prior depth",
                     "fuse rendered depth instead (without --from-prior)");
   }
   FusionFrame frame;
@@ -79,17 +80,17 @@ FusionFrame prior_frame(const OpenRun& run, const ViewPlacement& placement, int 
   return frame;
 }
 
-FusionFrame truth_frame(const OpenRun& run, int view) {
-  const View& v = run.scene.views[static_cast<size_t>(view)];
+FusionFrame truth_frame(const LoadedRun& run, int view) {
+  const View& v = run.scene().views[static_cast<size_t>(view)];
   if (v.truth_depth.empty()) {
-    throw_bad_input(run.scene.folder / "truth" / "depth", v.name, "this view has no true depth",
+    throw_bad_input(run.scene().folder / "truth" / "depth", v.name, "this view has no true depth",
                     "fuse rendered depth instead (without --from-truth)");
   }
   FusionFrame frame;
   frame.name = v.name;
-  const ViewData data = load_view(run.scene, view, run.load_options());
+  const ViewData data = load_view(run.scene(), view, run.load_options());
   frame.camera = v.truth_camera ? v.truth_camera->resized(data.camera.width, data.camera.height) : data.camera;
-  frame.depth = load_truth_depth(run.scene, view, frame.camera);
+  frame.depth = load_truth_depth(run.scene(), view, frame.camera);
   frame.color = data.color;
   return frame;
 }
@@ -100,15 +101,15 @@ struct HiddenPixels {
 };
 
 /// Takes hidden pixels of a training view out of its frame.
-void hide_pixels(const OpenRun& run, int view, FusionFrame& frame, HiddenPixels& hidden) {
+void hide_pixels(const LoadedRun& run, int view, FusionFrame& frame, HiddenPixels& hidden) {
   LoadOptions options = run.load_options();
   options.prior_depth = options.semantics = false;
-  const ImageF mask = load_view(run.scene, view, options).mask;
+  const ImageF mask = load_view(run.scene(), view, options).mask;
   if (mask.empty()) return;
   for (size_t i = 0; i < mask.data.size(); ++i) {
     if (mask.data[i] > 0.5f) continue;
     ++hidden.all;
-    hidden.unknown += frame.alpha.empty() || !(frame.alpha.data[i] >= float(run.config.mesh.alpha_min));
+    hidden.unknown += frame.alpha.empty() || !(frame.alpha.data[i] >= float(run.config().mesh.alpha_min));
     frame.depth.data[i] = 0;
     if (!frame.label.empty()) frame.label.data[i] = kNoLabel;
   }
@@ -125,27 +126,27 @@ Camera between(const Camera& a, const Camera& b) {
   return camera;
 }
 
-void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
-  const size_t wanted = static_cast<size_t>(run.config.mesh.interpolated_views);
-  const size_t pairs = run.scene.train.size() - 1;
+void add_interpolated(LoadedRun& run, std::vector<FusionFrame>& frames) {
+  const size_t wanted = static_cast<size_t>(run.config().mesh.interpolated_views);
+  const size_t pairs = run.scene().train.size() - 1;
   for (size_t k = 0; k < wanted && k < pairs; ++k) {
     const size_t i = k * pairs / std::min(wanted, pairs);
-    frames.push_back(
-        rendered_frame(run, between(run.working_camera(run.scene.train[i]), run.working_camera(run.scene.train[i + 1])),
-                       "between " + std::to_string(i), run.render_options()));
+    frames.push_back(rendered_frame(
+        run, between(run.working_camera(run.scene().train[i]), run.working_camera(run.scene().train[i + 1])),
+        "between " + std::to_string(i), run.render_options()));
     frames.back().interpolated = true;
     frames.back().label = {};
   }
 }
 
 /// Walls, floor and ceiling to their planes, then every surface along its normals.
-void improve_depth(OpenRun& run, std::vector<FusionFrame>& frames) {
-  const MeshConfig& mesh = run.config.mesh;
+void improve_depth(LoadedRun& run, std::vector<FusionFrame>& frames) {
+  const MeshConfig& mesh = run.config().mesh;
   std::vector<ImageF> drawn(frames.size());
   if (mesh.plane_reach > 0 && run.has_labels()) {
     StructuralPlanes planes;
     planes.reach = mesh.plane_reach;
-    drawn = draw_to_structure(frames, run.scene.labels, planes, *run.pool);
+    drawn = draw_to_structure(frames, run.scene().labels, planes, *run.pool);
   }
   if (!(mesh.smoothing > 0)) return;
   NormalSmoothingOptions smoothing;
@@ -161,13 +162,14 @@ void improve_depth(OpenRun& run, std::vector<FusionFrame>& frames) {
 
 }  // namespace
 
-MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
+MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
   HiddenPixels hidden;
   const DepthPlacement placement =
-      options.source == DepthSource::kPrior ? place_prior_depth(run.scene) : DepthPlacement();
-  const PriorUse use = options.source == DepthSource::kRendered ? decide_prior_use(run.scene, run.config) : PriorUse();
-  for (const int view : run.scene.train) {
+      options.source == DepthSource::kPrior ? place_prior_depth(run.scene()) : DepthPlacement();
+  const PriorUse use =
+      options.source == DepthSource::kRendered ? decide_prior_use(run.scene(), run.config()) : PriorUse();
+  for (const int view : run.scene().train) {
     if (options.source != DepthSource::kRendered) {
       frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, placement.views[frames.size()], view)
                                                              : truth_frame(run, view));
@@ -175,25 +177,25 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
     }
     // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
     RenderOptions render = run.render_options();
-    render.raster.near_plane = near_plane_of_view(run.scene, run.config, use, view);
-    frames.push_back(rendered_frame(run, run.working_camera(view), run.scene.views[view].name, render));
+    render.raster.near_plane = near_plane_of_view(run.scene(), run.config(), use, view);
+    frames.push_back(rendered_frame(run, run.working_camera(view), run.scene().views[view].name, render));
     hide_pixels(run, view, frames.back(), hidden);
   }
   if (hidden.all > 0) {
     log_info(
         "{:.1f} % of the pixels are masked or show ignored classes; at {:.0f} % of them nothing is known of what lies "
         "behind",
-        100.0 * double(hidden.all) / double(run.scene.train.size() * frames.front().depth.pixels()),
+        100.0 * double(hidden.all) / double(run.scene().train.size() * frames.front().depth.pixels()),
         100.0 * double(hidden.unknown) / double(hidden.all));
   }
   const bool rendered = options.source == DepthSource::kRendered;
-  if (rendered && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
+  if (rendered && run.config().mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
   if (rendered) improve_depth(run, frames);
   FusionOptions fusion = fusion_options(run);
   if (options.make_device) fusion.device = options.make_device();
   FusionResult fused = fuse_depth(frames, fusion, *run.pool);
-  const std::filesystem::path file = options.output.empty() ? run.folder / "mesh" / "mesh.ply" : options.output;
+  const std::filesystem::path file = options.output.empty() ? run.folder() / "mesh" / "mesh.ply" : options.output;
   if (fused.mesh.empty() && options.may_be_empty) {
     std::filesystem::remove(file);
     return {};
@@ -201,7 +203,7 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   if (fused.mesh.empty()) {
     throw Error({ErrorKind::kFailed,
                  "fusion found no surface",
-                 run.folder,
+                 run.folder(),
                  {},
                  "look at the renders: is there anything in them?"});
   }
@@ -211,7 +213,7 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   result.file = file;
   write_mesh_ply(result.file, fused.mesh);
   const std::filesystem::path pictures = options.output.empty() && options.pictures.empty()
-                                             ? run.folder / "renders" / "test" / "surface"
+                                             ? run.folder() / "renders" / "test" / "surface"
                                              : options.pictures;
   if (!pictures.empty()) write_surface_pictures(run, fused.mesh, pictures);
   log_info("{}", fused.report.text());

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "mesh/fusion.h"
 #include "mesh/mesh_labels.h"
 #include "mesh/tsdf_device.h"
@@ -38,6 +38,6 @@ struct MeshStageResult {
 };
 
 /// Settings come from the run's config.toml (group mesh). Error{kFailed} when no surface came out, unless may_be_empty.
-MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options);
+MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options);
 
 }  // namespace aligngs

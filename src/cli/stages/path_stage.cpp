@@ -50,24 +50,24 @@ Vec3d up_of(const Scene& scene) {
   return norm(sum) > 1e-6 ? normalized(sum) : Vec3d{0, 0, 1};
 }
 
-CameraPath tour_of(const OpenRun& run, const std::string& name, double seconds) {
-  const fs::path measured = run.folder / "room.json";
+CameraPath tour_of(const LoadedRun& run, const std::string& name, double seconds) {
+  const fs::path measured = run.folder() / "room.json";
   const std::vector<Vec3d> places = solid_places(run.model);
-  RoomInside room =
-      fs::exists(measured) ? RoomInside::of_room(read_room(measured)) : RoomInside::of_points(places, up_of(run.scene));
+  RoomInside room = fs::exists(measured) ? RoomInside::of_room(read_room(measured))
+                                         : RoomInside::of_points(places, up_of(run.scene()));
   std::vector<Camera> photos;
-  for (const int view : run.scene.train) photos.push_back(run.scene.views[static_cast<size_t>(view)].camera);
+  for (const int view : run.scene().train) photos.push_back(run.scene().views[static_cast<size_t>(view)].camera);
   room.add_obstacles(places, tour_height(room, photos));
   return name == "orbit" ? orbit_path(room, photos, seconds) : walk_path(room, photos, seconds);
 }
 
-CameraPath path_of(const OpenRun& run, const PathStageOptions& options) {
+CameraPath path_of(const LoadedRun& run, const PathStageOptions& options) {
   if (is_tour(options.path)) return tour_of(run, options.path, options.seconds.value_or(kTourSeconds));
   CameraPath path = read_camera_path(options.path);
   return options.seconds ? stretched(std::move(path), *options.seconds) : path;
 }
 
-Image<uint8_t> picture_of(OpenRun& run, const Camera& camera) {
+Image<uint8_t> picture_of(LoadedRun& run, const Camera& camera) {
   RenderOptions options = run.render_options();
   options.labels = false;
   return to_bytes(run.engine->render(camera, options).color);
@@ -82,8 +82,9 @@ void require_free_folder(const fs::path& folder) {
 
 /// Calls `take` with every picture in order.
 template <class Take>
-void draw_all(OpenRun& run, const CameraPath& path, const PathStageOptions& options, size_t frames, const Take& take) {
-  const Vec3d up = up_of(run.scene);
+void draw_all(LoadedRun& run, const CameraPath& path, const PathStageOptions& options, size_t frames,
+              const Take& take) {
+  const Vec3d up = up_of(run.scene());
   Progress progress(options.progress, "pictures", frames);
   for (size_t i = 0; i < frames; ++i) {
     stop_if_requested();
@@ -131,7 +132,7 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
   require_free_folder(ending == ".mp4" ? fs::path(options.output).replace_extension("") : options.output);
 }
 
-PathPictures render_path(OpenRun& run, const PathStageOptions& options) {
+PathPictures render_path(LoadedRun& run, const PathStageOptions& options) {
   const std::string ending = options.output.extension().string();
   const CameraPath path = path_of(run, options);
   PathPictures out{options.output, 1, path.duration(), false};
@@ -141,7 +142,7 @@ PathPictures render_path(OpenRun& run, const PathStageOptions& options) {
     }
     const CameraKey key = key_at(path, path.begin() + options.at);
     write_png(options.output,
-              picture_of(run, camera_of(key, up_of(run.scene), options.size.width, options.size.height)));
+              picture_of(run, camera_of(key, up_of(run.scene()), options.size.width, options.size.height)));
     return out;
   }
   const double frames = std::floor(path.duration() * options.frames_per_second) + 1;
@@ -164,8 +165,8 @@ PathPictures render_path(OpenRun& run, const PathStageOptions& options) {
   return out;
 }
 
-void render_view_picture(OpenRun& run, const std::string& view, const PictureSize& size, const fs::path& file) {
-  const std::vector<View>& views = run.scene.views;
+void render_view_picture(LoadedRun& run, const std::string& view, const PictureSize& size, const fs::path& file) {
+  const std::vector<View>& views = run.scene().views;
   const auto found = std::find_if(views.begin(), views.end(), [&](const View& v) { return v.name == view; });
   if (found == views.end()) {
     std::vector<std::string> names;

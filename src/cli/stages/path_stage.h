@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "core/progress.h"
 
 namespace aligngs {
@@ -42,10 +42,10 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
 
 /// Draws the Gaussians that the run's engine holds. Everything appears whole or not at all. Error{kUsage} for more
 /// pictures than anybody wants, Error{kResources} of the disk, Error{kFailed} of ffmpeg.
-PathPictures render_path(OpenRun& run, const PathStageOptions& options);
+PathPictures render_path(LoadedRun& run, const PathStageOptions& options);
 
 /// One picture at the place of a photo, with its field of view. Error{kUsage} for a name that no view has.
-void render_view_picture(OpenRun& run, const std::string& view, const PictureSize& size,
+void render_view_picture(LoadedRun& run, const std::string& view, const PictureSize& size,
                          const std::filesystem::path& file);
 
 }  // namespace aligngs

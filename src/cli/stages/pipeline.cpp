@@ -48,7 +48,7 @@ class Products {
   Products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device)
       : options_(options),
         make_tsdf_device_(make_tsdf_device),
-        run_(open_run(options.run, {options.scene, options.threads, options.make_engine})) {}
+        run_(load_run(options.run, {options.scene, options.threads, options.make_engine})) {}
 
   void render() {
     RenderStageOptions render;
@@ -83,7 +83,7 @@ class Products {
   void room() {
     if (!run_.has_labels()) return;
     try {
-      room_run(run_, options_.scene);
+      room_run(run_);
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::kInterrupted) throw;
       warn(options_.run, std::string("there is no room.json: ") + error.what());
@@ -95,7 +95,7 @@ class Products {
  private:
   const TrainOptions& options_;
   const TsdfDeviceFactory& make_tsdf_device_;
-  OpenRun run_;
+  LoadedRun run_;
   RunMetrics metrics_;
 };
 

@@ -1,5 +1,7 @@
 #include "cli/stages/plan_execution.h"
 
+#include <optional>
+
 #include "cli/device_option.h"
 #include "cli/photo_options.h"
 #include "cli/stages/pipeline.h"
@@ -35,17 +37,20 @@ class ScenePreparation {
         options_(options),
         store_(store),
         context_(context),
-        scene_(plan.begun || plan.from_photos() ? plan.scene : plan.source) {}
+        folder_(plan.begun || plan.from_photos() ? plan.scene : plan.source) {}
 
   /// The scene that is trained.
   fs::path prepare() {
     for (const PlannedStep& step : plan_.steps) {
       if (step.step >= RunStep::kTrain) break;
-      const PlannedStep settled = settled_step(step, scene_, request_, plan_, store_);
+      const bool expected = step.outlook == Outlook::kExpected;
+      const PlannedStep settled = expected ? settled_step(step, scene(), request_, plan_, store_) : step;
       tell(settled, plan_);
-      if (settled.outlook != Outlook::kLeftOut) carry_out(settled);
+      if (settled.outlook == Outlook::kLeftOut) continue;
+      carry_out(settled);
+      opened_.reset();
     }
-    return scene_;
+    return folder_;
   }
 
  private:
@@ -65,18 +70,23 @@ class ScenePreparation {
         fill_semantics(own_copy(), store_, *step.network, network_options());
         return;
       case RunStep::kMeasure:
-        if (measure_into_run(scene_, plan_.run, plan_.config, context_)) scene_ = own;
+        if (measure_into_run(scene(), plan_.run, plan_.config, context_)) folder_ = own;
         return;
       case RunStep::kRefine:
-        refine_into_run(scene_, plan_.run, plan_.config, context_);
-        scene_ = own;
+        refine_into_run(scene(), plan_.run, plan_.config, context_);
+        folder_ = own;
         return;
       case RunStep::kComplete:
-        if (complete_into_run(scene_, plan_.run, plan_.config, context_)) scene_ = own;
+        if (complete_into_run(scene(), plan_.run, plan_.config, context_)) folder_ = own;
         return;
       default:
         return;  // steps of training and after it
     }
+  }
+
+  const Scene& scene() {
+    if (!opened_) opened_ = open_scene(folder_);
+    return *opened_;
   }
 
   void find_cameras(const fs::path& own) const {
@@ -90,10 +100,10 @@ class ScenePreparation {
   /// RUN/scene, first made as a copy of the source where it is not there.
   const fs::path& own_copy() {
     const fs::path own = plan_.own_scene();
-    if (scene_ == own) return scene_;
-    write_scene_copy(scene_, own, true);
-    scene_ = own;
-    return scene_;
+    if (folder_ == own) return folder_;
+    write_scene_copy(folder_, own, true);
+    folder_ = own;
+    return folder_;
   }
 
   ScenePriorsOptions network_options() const {
@@ -112,7 +122,8 @@ class ScenePreparation {
   const PlanExecutionOptions& options_;
   const ModelStore& store_;
   const CommandContext& context_;
-  fs::path scene_;
+  fs::path folder_;              ///< of the scene as the steps so far left it
+  std::optional<Scene> opened_;  ///< of folder_; empty until a step needs it
 };
 
 }  // namespace

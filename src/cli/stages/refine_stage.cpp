@@ -29,21 +29,20 @@ Options options_of(const TrainConfig& config, const CommandContext& context) {
 }
 
 /// The scene without what the run ignores.
-Scene open_for(const fs::path& folder, const TrainConfig& config) {
-  Scene scene = open_scene(folder);
+Scene trained_part(Scene scene, const TrainConfig& config) {
   scene.ignored = ignored_classes(scene.labels, config.data.ignore);
   return scene;
 }
 
 }  // namespace
 
-bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
+bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
                       const CommandContext& context) {
   auto options = options_of<MeasureSceneOptions>(config, context);
   options.plane_settings.sure.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const MeasureSceneReport report = measure_scene(open_for(scene, config), run / "scene", options, pool);
+  const MeasureSceneReport report = measure_scene(trained_part(scene, config), run / "scene", options, pool);
   if (report.views == 0) {
     log_warning("{}; training starts from the points", kNothingMeasured);
     return false;
@@ -53,7 +52,7 @@ bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainCon
   return true;
 }
 
-bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
+bool complete_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
                        const CommandContext& context) {
   CompleteSceneOptions options;
   options.overwrite = options.in_place = true;  // RUN/scene may be what is read
@@ -62,7 +61,7 @@ bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainCo
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const CompleteSceneReport report = complete_scene(open_for(scene, config), run / "scene", options, pool);
+  const CompleteSceneReport report = complete_scene(trained_part(scene, config), run / "scene", options, pool);
   if (options.exposure) {
     log_info(
         "exposures: the brightest photo has {:.2f} times the light of the darkest, in the channel that differs most{}",
@@ -77,7 +76,7 @@ bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainCo
   return report.exposed || report.completed;
 }
 
-void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
+void refine_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
                      const CommandContext& context) {
   auto options = options_of<RefineSceneOptions>(config, context);
   options.stereo = config.data.refine_stereo;
@@ -86,7 +85,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   options.plane_settings.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const RefineSceneReport report = refine_scene(open_for(scene, config), run / "scene", options, pool);
+  const RefineSceneReport report = refine_scene(trained_part(scene, config), run / "scene", options, pool);
   log_info("prior depth: {}", report.depth_placement);
   const RefineResult& result = report.cameras;
   log_info(

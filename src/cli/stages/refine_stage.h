@@ -5,25 +5,26 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "scene/scene.h"
 #include "train/config.h"
 
 namespace aligngs {
 
-/// Measures the depth of `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all.
+/// Measures the depth of `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all.
 /// Logs the share that could be measured. Without any, a warning and false.
-bool measure_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
+bool measure_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
                       const CommandContext& context);
 
-/// Completes `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what
+/// Completes `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what
 /// was found.
 /// false: nothing was to be done, and nothing is written.
-bool complete_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
+bool complete_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
                        const CommandContext& context);
 
-/// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far
+/// Refines `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far
 /// the
 /// photos agreed before and after. Error{kBadInput} for a scene without prior depth.
-void refine_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
+void refine_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
                      const CommandContext& context);
 
 }  // namespace aligngs

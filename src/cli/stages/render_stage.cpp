@@ -33,10 +33,10 @@ Image<uint8_t> label_ids(const Image<uint16_t>& labels) {
   return out;
 }
 
-void render_one(OpenRun& run, int index, const fs::path& folder) {
-  const View& view = run.scene.views[index];
+void render_one(LoadedRun& run, int index, const fs::path& folder) {
+  const View& view = run.scene().views[index];
   const std::string file = view.name + ".png";
-  const ViewData data = load_view(run.scene, index, run.load_options());
+  const ViewData data = load_view(run.scene(), index, run.load_options());
   Rendering rendering = run.engine->render(data.camera, run.render_options());
   run.expose_as(index, rendering.color);
   // Making and compressing the pictures takes longer than rendering them.
@@ -51,8 +51,8 @@ void render_one(OpenRun& run, int index, const fs::path& folder) {
       [&] { write_png16(folder / "depth16" / file, depth_values(rendering.depth_median)); },
       [&] { write_png(folder / "normal" / file, normal_picture(rendering.normal)); }};
   if (run.has_labels()) {
-    pictures.push_back([&] { write_png(folder / "label" / file, label_picture(rendering.label, run.scene.labels)); });
-    if (run.scene.labels.size() < 255) {
+    pictures.push_back([&] { write_png(folder / "label" / file, label_picture(rendering.label, run.scene().labels)); });
+    if (run.scene().labels.size() < 255) {
       pictures.push_back([&] { write_png(folder / "label_id" / file, label_ids(rendering.label)); });
     }
   }
@@ -61,14 +61,14 @@ void render_one(OpenRun& run, int index, const fs::path& folder) {
 
 }  // namespace
 
-size_t render_views(OpenRun& run, const RenderStageOptions& options) {
-  const size_t total = (options.test ? run.scene.test.size() : 0) + (options.train ? run.scene.train.size() : 0);
+size_t render_views(LoadedRun& run, const RenderStageOptions& options) {
+  const size_t total = (options.test ? run.scene().test.size() : 0) + (options.train ? run.scene().train.size() : 0);
   Progress progress(options.progress, "render", total);
   size_t done = 0;
   for (const bool test : {true, false}) {
     if (!(test ? options.test : options.train)) continue;
-    for (const int index : test ? run.scene.test : run.scene.train) {
-      render_one(run, index, run.folder / "renders" / (test ? "test" : "train"));
+    for (const int index : test ? run.scene().test : run.scene().train) {
+      render_one(run, index, run.folder() / "renders" / (test ? "test" : "train"));
       progress.update(++done);
     }
   }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "core/progress.h"
 
 namespace aligngs {
@@ -17,6 +17,6 @@ struct RenderStageOptions {
 /// rgb, gt and error are colour. depth is a colour ramp, with the values beside it in depth16/ (uint16, thousandths of
 /// a scene unit, 0 = none). normal is camera-frame. label uses the class colours. label_id/ (uint8, 255 = none) has the
 /// class numbers if there are fewer than 255 classes. Returns the number of views.
-size_t render_views(OpenRun& run, const RenderStageOptions& options);
+size_t render_views(LoadedRun& run, const RenderStageOptions& options);
 
 }  // namespace aligngs

@@ -10,8 +10,8 @@
 #include "edit/edit_session.h"
 #include "edit/export/object_meshes.h"
 #include "room/room_json.h"
+#include "train/opened_run.h"
 #include "train/rendered_view.h"
-#include "train/trained_run.h"
 #include "train/training_set.h"
 
 namespace aligngs {
@@ -38,7 +38,7 @@ ScaleSource scale_source_of(const Scene& scene) {
   return scene.prior_source == "exact" ? ScaleSource::kTruth : ScaleSource::kNetwork;
 }
 
-PlaneView look(OpenRun& run, const PriorUse& use, int view) {
+PlaneView look(LoadedRun& run, const PriorUse& use, int view) {
   Camera camera = run.working_camera(view);
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(camera.width, camera.height));
   camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))),
@@ -46,7 +46,7 @@ PlaneView look(OpenRun& run, const PriorUse& use, int view) {
   RenderOptions options = run.render_options();
   options.geometry = options.labels = true;
   // The near plane of training, as for the mesh.
-  options.raster.near_plane = near_plane_of_view(run.scene, run.config, use, view);
+  options.raster.near_plane = near_plane_of_view(run.scene(), run.config(), use, view);
   return plane_view_of(camera, run.engine->render(camera, options));
 }
 
@@ -86,19 +86,20 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
   return out;
 }
 
-MeasuredRoom describe_room(OpenRun& run, std::vector<ObjectPoints> objects) {
+MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects) {
   if (!run.has_labels()) {
-    throw_bad_input(run.folder, "labels", "this run was trained without semantics: walls cannot be told from furniture",
+    throw_bad_input(run.folder(), "labels",
+                    "this run was trained without semantics: walls cannot be told from furniture",
                     "train a scene that has segmentation_logits/");
   }
   RoomInputs inputs;
-  const PriorUse use = decide_prior_use(run.scene, run.config);
-  for (const int view : run.scene.train) inputs.views.push_back(look(run, use, view));
-  inputs.labels = &run.scene.labels;
-  inputs.up = run.scene.up;
+  const PriorUse use = decide_prior_use(run.scene(), run.config());
+  for (const int view : run.scene().train) inputs.views.push_back(look(run, use, view));
+  inputs.labels = &run.scene().labels;
+  inputs.up = run.scene().up;
   inputs.objects = std::move(objects);
-  if (run.scene.metric) inputs.metres_per_unit = 1;
-  inputs.scale_source = scale_source_of(run.scene);
+  if (run.scene().metric) inputs.metres_per_unit = 1;
+  inputs.scale_source = scale_source_of(run.scene());
   return find_room(inputs, {}, *run.pool);
 }
 
@@ -114,21 +115,21 @@ MeasuredRoom read_run_room(const std::filesystem::path& run) {
 MeasuredRoom with_scale_of_scene(const MeasuredRoom& room, const std::filesystem::path& run) {
   if (room.scale_source != ScaleSource::kGiven)
     throw_usage("the scale of this run was not given by hand", "there is nothing to take back");
-  const TrainedRun trained = read_trained_run(run, {}, CheckpointParts::kWithoutEngineArrays);
+  const OpenedRun opened = open_run(run, {});
   MeasuredRoom out = rescaled(room, 1 / room.to_room.scale);
-  out.metric = trained.scene.metric;
-  out.scale_source = scale_source_of(trained.scene);
+  out.metric = opened.scene.metric;
+  out.scale_source = scale_source_of(opened.scene);
   return out;
 }
 
-MeasuredRoom room_run(OpenRun& run, const std::filesystem::path& scene) {
+MeasuredRoom room_run(LoadedRun& run) {
   std::vector<ObjectPoints> objects;
   if (run.has_labels()) {
-    EditSession session(run.folder, {scene, run.pool->size()});
+    EditSession session(run.opened, {{}, run.pool->size()});
     objects = furniture_points(session.room(), session.pool());
   }
   MeasuredRoom room = describe_room(run, std::move(objects));
-  const std::filesystem::path file = run.folder / "room.json";
+  const std::filesystem::path file = run.folder() / "room.json";
   if (std::filesystem::exists(file)) {
     const MeasuredRoom before = read_room(file);
     if (before.scale_source == ScaleSource::kGiven) {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "edit/apply_edit.h"
 #include "room/find_room.h"
 
@@ -15,7 +15,7 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
 /// Describes the room of a run as its training views show it after training, with `objects` as its furniture.
 /// Error{kBadInput} for a run without
 /// labels, and errors as find_room's.
-MeasuredRoom describe_room(OpenRun& run, std::vector<ObjectPoints> objects);
+MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects);
 
 /// RUN/room.json. Error{kBadInput} for a folder that is no run or has no room.json.
 MeasuredRoom read_run_room(const std::filesystem::path& run);
@@ -25,7 +25,7 @@ MeasuredRoom with_scale_of_scene(const MeasuredRoom& room, const std::filesystem
 
 /// describe_room() of a run with its edits, written to RUN/room.json. A scale that the user gave before (`aligngs
 /// scale`) stays.
-MeasuredRoom room_run(OpenRun& run, const std::filesystem::path& scene);
+MeasuredRoom room_run(LoadedRun& run);
 
 /// The measures in lines of text, for people.
 std::string room_summary(const MeasuredRoom& room);

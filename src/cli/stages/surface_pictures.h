@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "cli/stages/open_run.h"
+#include "cli/stages/loaded_run.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -14,6 +14,6 @@ ImageF face_normals(const TriangleMesh& mesh, const Camera& camera, ThreadPool& 
 
 /// Writes folder/VIEW.png for every test view: the mesh from there, coloured by its face normals as rendered normals
 /// are.
-void write_surface_pictures(const OpenRun& run, const TriangleMesh& mesh, const std::filesystem::path& folder);
+void write_surface_pictures(const LoadedRun& run, const TriangleMesh& mesh, const std::filesystem::path& folder);
 
 }  // namespace aligngs

@@ -219,7 +219,10 @@ StepRequest benchmark_request() {
   r.sh_degree = kMaxShDegree;
   r.extent = 3;
   r.rates = {1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f};
-  r.losses.weight = weights_of_catalogue(&LossRow::benchmark_weight);
+  r.losses.weight = benchmark_weights();
+  r.losses.coupling_strength = 0.1f;
+  r.losses.log_depth_huber = 0.02f;
+  r.adam.skip_invisible_semantics = true;
   return r;
 }
 

@@ -36,6 +36,8 @@ void time_density_control(Engine& engine, StepTiming& out) {
     if (statistics.visible[i] > 0) mean.push_back(statistics.gradient[i] / statistics.visible[i]);
   }
   DensityRule rule;
+  rule.gradient_abs_threshold = 8e-4f;
+  rule.prune_opacity = 0.005f;
   if (!mean.empty()) {
     const auto ninth = mean.begin() + static_cast<std::ptrdiff_t>(mean.size() * 9 / 10);
     std::nth_element(mean.begin(), ninth, mean.end());

@@ -59,11 +59,11 @@ inline SceneOptions options(int channels) {
   return o;
 }
 
+/// The views come after the model.
 inline void prepare(CpuEngine& engine, int top_k, const GaussianModel& model, const TrainingView& view,
                     SemanticProducts products = SemanticProducts::kFloat32) {
   engine.set_semantic_products(products);
-  engine.limit_classes(top_k);
-  engine.load(model);
+  engine.prepare({{}, top_k, &model});
   engine.set_training_views({view});
   engine.set_coupling_balance({2e-4, 1e-3});
 }

@@ -130,9 +130,7 @@ TEST(ActiveClasses, ViewsMayComeBeforeOrAfterTheModel) {
   const GaussianModel model = model_with_remainder(o);
   const TrainingView view = teacher_view(o, true);
   CpuEngine before(1), after(1);
-  before.limit_classes(2);
-  before.set_training_views({view});
-  before.load(model);
+  before.prepare({{view}, 2, &model});
   prepare(after, 2, model, view);
   before.set_coupling_balance({2e-4, 1e-3});
   before.set_semantic_products(SemanticProducts::kFloat32);

@@ -37,6 +37,7 @@ class CpuEngine final : public Engine {
  public:
   explicit CpuEngine(int threads);
 
+  void prepare(EngineInputs inputs) override;
   std::string device_name() const override;
   void load(const GaussianModel& model) override;
   void store(GaussianModel& model) const override;
@@ -45,7 +46,6 @@ class CpuEngine final : public Engine {
   void load_state(const EngineState& state) override;
   size_t size() const override { return model_.size(); }
 
-  void limit_classes(int top_k) override { active_top_k_ = top_k; }
   bool offers_multi_view() const override { return true; }
   void set_pose(int view, const Rigidd& world_to_camera) override {
     views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera;
@@ -105,7 +105,7 @@ class CpuEngine final : public Engine {
   std::vector<TrainingView> views_;
   std::vector<SemanticView> semantic_views_;
 
-  int active_top_k_ = 0;
+  int active_top_ = 0;    ///< EngineInputs
   ActiveClasses active_;  ///< of the training views, whose targets hold its channels
   ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
   ClassCounts counts_;    ///< of the model's channels

@@ -106,10 +106,16 @@ void CpuEngine::load_state(const EngineState& state) {
   balance_ = memory.balance;
 }
 
+void CpuEngine::prepare(EngineInputs inputs) {
+  active_top_ = inputs.active_top;
+  set_training_views(std::move(inputs.views));
+  if (inputs.model) load(*inputs.model);
+}
+
 void CpuEngine::set_training_views(std::vector<TrainingView> views) {
   views_ = std::move(views);
   semantic_views_.assign(views_.size(), SemanticView());
-  active_ = find_active_classes(views_, active_top_k_, *pool_);
+  active_ = find_active_classes(views_, active_top_, *pool_);
   for (TrainingView& view : views_) compress_target(active_, *pool_, view.data.semantics);
   if (!active_.has_remainder() && !map_.has_remainder()) return;
   const GaussianModel model = expanded(model_);

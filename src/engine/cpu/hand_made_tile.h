@@ -23,6 +23,7 @@
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/semantic_loss.h"
 #include "engine/formulas/teacher_sampling.h"
+#include "engine/request_for_tests.h"
 #include "scene/semantic_target.h"
 
 namespace aligngs::cpu::testing_scene {
@@ -156,7 +157,7 @@ class HandMadeTile {
 
   TileOptions options;
   TrainingView view;
-  LossSettings losses;
+  LossSettings losses = color_and_class_losses();
   SemanticView cache;
   ClassCounts counts;
   size_t channels = 0, padded = 0;

@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "engine/cpu/cpu_engine.h"
 #include "engine/reference/reference_engine.h"
+#include "engine/request_for_tests.h"
 #include "scene/semantic_target.h"
 
 namespace aligngs::cpu::testing_scene {
@@ -104,7 +105,7 @@ inline TrainingView make_view(const SceneOptions& o) {
 
 /// Photometric and semantic losses; rates of the usual size.
 inline StepRequest make_request() {
-  StepRequest r;
+  StepRequest r = color_and_class_request();
   r.sh_degree = 3;
   r.extent = 2.5f;
   r.raster.background[0] = 0.3f;

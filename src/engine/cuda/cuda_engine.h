@@ -33,6 +33,7 @@ class CudaEngine final : public Engine {
  public:
   CudaEngine(int device, uint64_t budget_bytes, int threads, const CudaEngineOptions& options = {});
 
+  void prepare(EngineInputs inputs) override;
   std::string device_name() const override { return name_; }
   void load(const GaussianModel& model) override;
   void store(GaussianModel& model) const override;
@@ -41,7 +42,6 @@ class CudaEngine final : public Engine {
   void load_state(const EngineState& state) override;
   size_t size() const override { return model_.size(); }
 
-  void limit_classes(int top_k) override { active_top_k_ = top_k; }
   /// Throws Error{kResources} for more channels than the device's matrix products take (kMaxSemanticChannels).
   void set_training_views(std::vector<TrainingView> views) override;
   void set_pose(int view, const Rigidd& world_to_camera) override {
@@ -59,7 +59,7 @@ class CudaEngine final : public Engine {
 
   Rendering render(const Camera& camera, const RenderOptions& options) const override;
   void lift_semantics(const RasterSettings& raster) override;
-  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& views) const override;
+  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& views, int active_top) const override;
   uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const override;
   uint64_t predicted_host_bytes(size_t gaussians, int channels) const override;
 
@@ -151,7 +151,7 @@ class CudaEngine final : public Engine {
   DeviceArray<float> neighbour_depth_;             ///< of the step in progress
   DeviceArray<unsigned long long> neighbour_bad_;  ///< [1]
 
-  int active_top_k_ = 0;
+  int active_top_ = 0;         ///< EngineInputs
   cpu::ActiveClasses active_;  ///< of the training views, whose targets hold its channels
   cpu::ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
 

@@ -112,8 +112,14 @@ void CudaEngine::load_state(const EngineState& state) {
   balance_ = memory.balance;
 }
 
+void CudaEngine::prepare(EngineInputs inputs) {
+  active_top_ = inputs.active_top;
+  set_training_views(std::move(inputs.views));
+  if (inputs.model) load(*inputs.model);
+}
+
 void CudaEngine::set_training_views(std::vector<TrainingView> views) {
-  active_ = cpu::find_active_classes(views, active_top_k_, *pool_);
+  active_ = cpu::find_active_classes(views, active_top_, *pool_);
   graph_->drop();
   views_.clear();
   for (TrainingView& view : views) {
@@ -172,8 +178,8 @@ void CudaEngine::raise_scales(const std::vector<float>& log_floors) {
   context_->synchronise();  // the floors go
 }
 
-std::optional<OwnMemory> CudaEngine::own_memory(const std::vector<TrainingView>& views) const {
-  const cpu::ActiveClasses active = cpu::find_active_classes(views, active_top_k_, *pool_);
+std::optional<OwnMemory> CudaEngine::own_memory(const std::vector<TrainingView>& views, int active_top) const {
+  const cpu::ActiveClasses active = cpu::find_active_classes(views, active_top, *pool_);
   OwnMemory own;
   own.limit = context_->budget();
   if (active.has_remainder()) own.channels = active.channels();

@@ -249,9 +249,7 @@ TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
   cpu::CpuEngine cpu(1);
   const std::unique_ptr<Engine> cuda = make_cuda_engine(test_device().index, 0, 1);
   for (Engine* e : {static_cast<Engine*>(&cpu), cuda.get()}) {
-    e->limit_classes(1);
-    e->set_training_views(views);
-    e->load(model);
+    e->prepare({views, 1, &model});
   }
   GaussianModel got, want;
   cuda->store(got);
@@ -282,13 +280,13 @@ TEST_F(CudaEngineState, WhatIsPredictedIsEnoughForEveryStepAndNotFarTooMuch) {
   const std::vector<TrainingView> views = {make_view(o), make_view(o)};
   const GaussianModel model = make_model(o);
   const auto needed = [&](const Engine& e) {
-    return e.own_memory(views)->views +
+    return e.own_memory(views, 0)->views +
            e.predicted_bytes(model.size(), model.semantic_channels, size_t(o.width) * o.height);
   };
   const uint64_t budget = needed(*make_cuda_engine(test_device().index, 0, 1));
   const auto train = [&](uint64_t bytes) {
     const std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, bytes, 1);
-    EXPECT_EQ(e->own_memory(views)->limit, bytes);
+    EXPECT_EQ(e->own_memory(views, 0)->limit, bytes);
     e->load(model);
     e->set_training_views(views);
     StepRequest r = make_geometry_request();
@@ -311,9 +309,7 @@ TEST_F(CudaEngineState, OwnMemoryCountsTheClassesThatRowsWillCarry) {
     if (i % 12 >= 4) teacher[i] = 0;  // eight classes that nobody sees
   }
   const std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, uint64_t(1) << 30, 1);
-  const OwnMemory all = *e->own_memory(views);
-  e->limit_classes(1);
-  const OwnMemory few = *e->own_memory(views);
+  const OwnMemory all = *e->own_memory(views, 0), few = *e->own_memory(views, 1);
   EXPECT_EQ(all.channels, 0);
   EXPECT_EQ(few.channels, 5);
   EXPECT_LT(few.views, all.views);

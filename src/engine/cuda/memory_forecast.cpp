@@ -53,9 +53,7 @@ uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
 /// Bytes of the current view's pixels: maps, their gradients, residual, blend record, scratch of the losses.
 uint64_t pixel_bytes(uint64_t pixels) {
   LossSettings all;
-  all.weight[Loss::kPearson] = 1;  // any loss on depth or normals: scratch is the same for all of them
-  // and those between views take a quarter more
-  all.weight[Loss::kMultiViewGeometric] = all.weight[Loss::kMultiViewPhotometric] = 1;
+  for (const LossRow& row : kLossCatalogue) all.weight[row.loss] = 1;
   const uint64_t neighbour = 1;  // its depth, which stays while the step's own maps are made
   return pixels * (10 + 8 + 1 + 2 + neighbour) * kFloat + map_loss_scratch_bytes(all, pixels);
 }

@@ -13,6 +13,7 @@
 #include "engine/cpu/optimiser.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/semantic_rows.h"
+#include "engine/request_for_tests.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -172,7 +173,7 @@ class CudaOptimiser : public DeviceTest {
   static constexpr size_t kCpuPadded = 16;
   GaussianModel model, gradients, cpu_model, device_model;
   AdamMoments moments, cpu_moments, device_moments;
-  StepRequest request;
+  StepRequest request = color_and_class_request();
   std::vector<uint8_t> touched, culled, written;
   bool semantics = true, blocked = false;
 };

@@ -10,6 +10,7 @@
 #include "core/random.h"
 #include "device/tolerances.h"
 #include "engine/cuda/view_for_tests.h"
+#include "engine/request_for_tests.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -142,7 +143,7 @@ class CudaParameterGradients : public DeviceTest {
 
   SceneOptions options;
   GaussianModel model;
-  StepRequest request;
+  StepRequest request = color_and_class_request();
   std::unique_ptr<TestView> view;
   cpu::SlotGradients slots;
   std::vector<uint8_t> coupling_seen, touched;

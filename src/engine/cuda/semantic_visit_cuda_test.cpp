@@ -17,6 +17,7 @@
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/view_for_tests.h"
 #include "engine/formulas/semantic_loss.h"
+#include "engine/request_for_tests.h"
 #include "scene/semantic_target.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "device/emulation/emulation.h"
@@ -272,7 +273,7 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
   Options options;
   GaussianModel model;
   TrainingView training;
-  LossSettings losses;
+  LossSettings losses = color_and_class_losses();
   std::unique_ptr<TestView> view;
   cpu::SemanticView cache;
   cpu::ClassCounts counts;

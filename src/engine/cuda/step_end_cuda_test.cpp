@@ -14,6 +14,7 @@
 #include "engine/cuda/shape_terms.h"
 #include "engine/cuda/step_outcome.h"
 #include "engine/cuda/view_for_tests.h"
+#include "engine/request_for_tests.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -75,7 +76,7 @@ class CudaStepEnd : public DeviceTest {
   }
 
   GaussianModel model;
-  StepRequest request;
+  StepRequest request = color_and_class_request();
   std::unique_ptr<TestView> view;
   cpu::SlotGradients slots;
   DeviceArray<uint8_t> touched;

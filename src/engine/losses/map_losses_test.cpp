@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "engine/losses/maps_for_tests.h"
+#include "engine/request_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -133,7 +134,7 @@ TEST_P(EachTerm, FloatAgreesWithDouble) {
 }
 
 LossSettings every_term(bool paper) {
-  LossSettings s;
+  LossSettings s = color_and_class_losses();
   for (const Loss loss : kOneView) s.weight[loss] = 0.3f;
   s.paper_normals = paper;
   return s;

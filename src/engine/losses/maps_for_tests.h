@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "engine/losses/map_losses.h"
+#include "engine/request_for_tests.h"
 
 namespace aligngs::testing_maps {
 
@@ -66,7 +67,7 @@ struct LossFixture {
         view.label_edge.at(x, y) = x == width / 2 ? 1 : 0;
       }
     }
-    settings = LossSettings{};
+    settings = color_and_class_losses();
     settings.weight[Loss::kL1] = settings.weight[Loss::kSsim] = 0;
   }
 

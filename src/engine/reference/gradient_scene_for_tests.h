@@ -8,6 +8,7 @@
 
 #include "core/half.h"
 #include "engine/reference/reference_engine.h"
+#include "engine/request_for_tests.h"
 #include "scene/semantic_target.h"
 
 namespace aligngs::reference::testing_scene {
@@ -97,7 +98,7 @@ inline TrainingView make_view() {
 
 /// All losses off, tests switch on what they look at. The threshold is smooth, so that differences hold.
 inline StepRequest make_request() {
-  StepRequest r;
+  StepRequest r = color_and_class_request();
   r.sh_degree = 3;
   r.extent = 2.5f;
   r.raster.smooth_cutoff = true;

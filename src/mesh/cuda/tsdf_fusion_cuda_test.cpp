@@ -112,7 +112,7 @@ TEST_F(CudaFusion, NothingSeenLeavesTheFieldAsItWas) {
 
 TEST_F(CudaFusion, TheMeshOfARoomIsThatOfTheCpu) {
   std::vector<FusionFrame> frames = test::room_views({1, 0.8, 0.9}, 3);
-  FusionOptions options;
+  FusionOptions options = test::fusion_options();
   options.metric = true;
   options.voxel = 0.06;
   options.truncation = 0.12;

@@ -1,12 +1,15 @@
-#include "train/trained_run.h"
+#include "train/opened_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "scene/scene_folder_for_tests.h"
 #include "train/fake_engine.h"
 #include "train/run_folder.h"
@@ -18,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class TrainedRunTest : public testing::Test {
+class OpenedRunTest : public testing::Test {
  protected:
   void SetUp() override {
     set_log_level(LogLevel::kSilent);
@@ -38,7 +41,8 @@ class TrainedRunTest : public testing::Test {
 
   std::string refusal(const fs::path& scene = {}) const {
     try {
-      read_trained_run(run_, scene, CheckpointParts::kAll);
+      OpenedRun run = open_run(run_, scene);
+      read_trained_state(run, CheckpointParts::kAll);
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
       return error.what();
@@ -49,25 +53,43 @@ class TrainedRunTest : public testing::Test {
   fs::path base_, run_;
 };
 
-TEST_F(TrainedRunTest, HasTheSceneTheSettingsAndTheNewestCheckpoint) {
-  const TrainedRun run = read_trained_run(run_, {}, CheckpointParts::kAll);
-  EXPECT_EQ(run.state.iteration, 6);
+TEST_F(OpenedRunTest, HasTheSceneTheSettingsAndTheNewestCheckpoint) {
+  OpenedRun run = open_run(run_, {});
+  EXPECT_EQ(read_trained_state(run, CheckpointParts::kAll).iteration, 6);
+  EXPECT_EQ(run.folder, run_);
+  EXPECT_EQ(run.record.train.iterations, 6);
   EXPECT_EQ(run.config.checkpoint.every, 3);
   EXPECT_FALSE(run.scene.views.empty());
 }
 
-TEST_F(TrainedRunTest, AFolderWithoutRunIsRefused) {
+TEST_F(OpenedRunTest, CamerasThatTrainingMovedAreWhereItLeftThem) {
+  TrainConfig config = open_run(run_, {}).config;
+  config.optimizer.pose_rotation = config.optimizer.pose_translation = 1e-4;
+  write_file_atomically(RunFolder(run_).config(), config_to_toml(config));
+  nlohmann::json cameras = parse_json(read_file(RunFolder(run_).cameras()));
+  for (nlohmann::json& camera : cameras) camera["position"] = {7, 8, 9};
+  write_file_atomically(RunFolder(run_).cameras(), json_document(cameras));
+  const OpenedRun before = open_run(run_, {});
+  const SharedRun after = open_run_as_trained(run_, {});
+  EXPECT_FALSE(before.cameras_placed);
+  EXPECT_TRUE(after->cameras_placed);
+  const size_t view = static_cast<size_t>(before.scene.train[0]);
+  EXPECT_GT(norm(before.scene.views[view].camera.centre() - Vec3d{7, 8, 9}), 1);
+  EXPECT_LT(norm(after->scene.views[view].camera.centre() - Vec3d{7, 8, 9}), 1e-9);
+}
+
+TEST_F(OpenedRunTest, AFolderWithoutRunIsRefused) {
   fs::remove(run_ / "run.json");
   EXPECT_THAT(refusal(), HasSubstr("no run folder"));
 }
 
-TEST_F(TrainedRunTest, ASceneThatWasMovedIsAskedFor) {
+TEST_F(OpenedRunTest, ASceneThatWasMovedIsAskedFor) {
   fs::rename(base_ / "base", base_ / "moved");
   EXPECT_THAT(refusal(), HasSubstr("--scene"));
   EXPECT_EQ(refusal(base_ / "moved"), "");
 }
 
-TEST_F(TrainedRunTest, ARunWithoutItsCheckpointsIsToldFromOneThatHasNotBegun) {
+TEST_F(OpenedRunTest, ARunWithoutItsCheckpointsIsToldFromOneThatHasNotBegun) {
   fs::remove_all(RunFolder(run_).checkpoints());
   EXPECT_THAT(refusal(), HasSubstr("checkpoints of this run are gone"));
   fs::remove(RunFolder(run_).scene_ply());

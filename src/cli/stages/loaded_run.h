@@ -1,4 +1,4 @@
-// A run folder opened for the stages after training: its scene, its settings and an engine with its Gaussians.
+// An opened run on an engine, for the stages after training.
 #pragma once
 
 #include <filesystem>
@@ -10,38 +10,42 @@
 #include "engine/engine.h"
 #include "scene/scene.h"
 #include "train/config.h"
+#include "train/opened_run.h"
 #include "train/train_run.h"
 
 namespace aligngs {
 
-struct OpenRunOptions {
+struct LoadRunOptions {
   std::filesystem::path scene;  ///< where the scene went, when it is not where run.json says; may be empty
   int threads = 0;
-  EngineFactory make_engine = {};  ///< of the device to render on; empty: the CPU
+  EngineFactory make_engine = {};      ///< of the device to render on; empty: the CPU
+  std::vector<std::string> sets = {};  ///< settings of the stage itself, e.g. "mesh.voxel=0.01"
 };
 
-struct OpenRun {
-  std::filesystem::path folder;
-  TrainConfig config;
-  Scene scene;
+struct LoadedRun {
+  SharedRun opened;     ///< cameras are placed
   GaussianModel model;  ///< semantic rows as labels are drawn with them (semantic.drawn_sharpness)
   /// of all views: how a picture of the scene is exposed there; zeros without data.exposure
   std::vector<Vec3f> log_gains;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
 
+  const std::filesystem::path& folder() const { return opened->folder; }
+  const TrainConfig& config() const { return opened->config; }
+  const Scene& scene() const { return opened->scene; }
+  /// Camera of a view at the resolution at which the run worked.
+  Camera working_camera(int view) const { return opened->working_camera(view); }
   /// Frees the arrays of `model`: the engine has its own.
   void forget_model();
   bool has_labels() const { return model.semantic_channels > 0; }
-  /// Camera of a view at the resolution at which the run worked.
-  Camera working_camera(int view) const;
   LoadOptions load_options() const;  ///< pixels only, no priors
   RenderOptions render_options() const;
   /// As the camera of a view would have exposed it (scene/exposure_prediction.h).
   void expose_as(int view, ImageF& color) const;
 };
 
-/// Error{kBadInput} as read_trained_run() (train/trained_run.h) has it.
-OpenRun open_run(const std::filesystem::path& folder, const OpenRunOptions& options);
+/// Opens a run (open_run in train/opened_run.h), reads its newest checkpoint and loads it into an engine. Errors as
+/// open_run's and read_trained_state's; Error{kUsage} for a setting that cannot be read.
+LoadedRun load_run(const std::filesystem::path& folder, const LoadRunOptions& options);
 
 }  // namespace aligngs
