@@ -24,6 +24,9 @@ export class Selection {
     element('picked-close').addEventListener('click', () => this.clear());
   }
 
+  /// An object is marked in the picture: the picked one, or that under the pointer.
+  get glows(): boolean { return this.hovered !== ''; }
+
   refresh(state: RunState, editable: boolean): void { this.state = state; this.editable = editable; }
 
   /// The mouse is over a point of the canvas (CSS pixels of the window); null: over none.

@@ -1,13 +1,14 @@
 // The 3D view: splats or mesh with a style per class, drawn only when something changes. Only this class uses
 // PlayCanvas.
 import {
-  AppBase, AppOptions, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
-  GSplatHandler, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RESOLUTION_FIXED, RenderComponentSystem, Texture, TextureHandler, Vec3,
+  AppBase, AppOptions, type CameraComponent, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
+  GSplatHandler, type Layer, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RESOLUTION_FIXED, RenderComponentSystem, Texture, TextureHandler, Vec3,
   createGraphicsDevice,
 } from 'playcanvas';
 import { type CameraInfo } from './api';
 import { type Columns } from './columns';
 import { type CutBounds } from './cut_box';
+import { DrawOrder } from './draw_order';
 import { DrawnSplats, type ClassStyle } from './drawn_splats';
 import { MeshLayer } from './mesh_layer';
 import { MeshPicker } from './mesh_pick';
@@ -52,8 +53,9 @@ export class Viewer {
   private mix = 0;
   private drawUntil = 0;
   private lines = new SceneLines();
+  private order: DrawOrder;
 
-  private constructor(readonly app: AppBase, readonly canvas: HTMLCanvasElement) {}
+  private constructor(readonly app: AppBase, readonly canvas: HTMLCanvasElement) { this.order = new DrawOrder(app); }
 
   static async create(canvas: HTMLCanvasElement): Promise<Viewer> {
     const device = await createGraphicsDevice(canvas, { deviceTypes: ['webgl2'], ...kContext } as object);
@@ -78,8 +80,12 @@ export class Viewer {
     // The worker that sorts answers when it likes: then there is something new to draw.
     const splatSystem = (app.systems as unknown as { gsplat: EventHandler }).gsplat;
     splatSystem.on('frame:request', () => { app.renderNextFrame = true; });
-    splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.sorted ||= ready && loading === 0; viewer.settled = ready && loading === 0 && !viewer.drawsMoving; });
-    app.on('update', () => { if (performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
+    splatSystem.on('frame:ready', (camera: CameraComponent, layer: Layer, ready: boolean, loading: number) => {
+      viewer.order.watch(camera, layer);
+      viewer.sorted ||= ready && loading === 0;
+      viewer.settled = ready && loading === 0 && viewer.order.final && !viewer.drawsMoving;
+    });
+    app.on('update', () => { if (viewer.order.again() || performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
     app.on('prerender', () => { ++viewer.frames; if (viewer.drawsMoving) viewer.quality.frame(performance.now()); viewer.lines.draw(app); });
     app.start();
     // The canvas is given the size of its place in pixels, so that place is watched.
@@ -121,6 +127,7 @@ export class Viewer {
     this.sharp = window.setTimeout(() => {
       if (this.moving() || this.frames === this.framesBefore) { this.restAgain(); return; }
       this.setQuality(false);
+      this.layer?.update(); // colours as they are from here: while moving, PlayCanvas keeps those of up to 10 degrees before
       this.draw();
     }, this.quality.patience);
   }

@@ -64,9 +64,10 @@ export async function withBrowser(body, { cleanup = () => {} } = {}) {
 export const remove = (folder) => rmSync(folder, { recursive: true, force: true });
 
 /// A page on `url` that has shown its first picture, with ways to look at it. `density`: device pixels a CSS pixel; fewer are
-/// drawn sooner.
-export async function open(browser, url, { width = 800, height = 480, density = 1, shots = '', prefix = '' } = {}) {
+/// drawn sooner. `before` runs in the page before its script.
+export async function open(browser, url, { width = 800, height = 480, density = 1, shots = '', prefix = '', before = null } = {}) {
   const page = await browser.newPage({ viewport: { width, height }, deviceScaleFactor: density });
+  if (before) await page.addInitScript(before);
   const complaints = [];
   page.on('console', (m) => { if (m.type() === 'error') complaints.push(`${m.text()} ${m.location().url}`.trim()); });
   page.on('pageerror', (e) => complaints.push(e.stack ?? String(e)));

@@ -8,9 +8,22 @@ const { program, run: given, shots, folder } = settings(), run = join(folder, 'r
 if (!given || !existsSync(given)) skip('no run was given');
 cpSync(given, run, { recursive: true, filter: (path) => !path.includes('/control') }); // the test appends to its events
 const { server, url } = await serve(program, run);
+/// Answers of workers come later by window.slowSorting milliseconds, as on a busy machine.
+const slowSorts = () => {
+  const listen = Worker.prototype.addEventListener;
+  Worker.prototype.addEventListener = function (name, heard, ...more) {
+    return listen.call(this, name, name === 'message' ? (e) => setTimeout(() => heard(e), window.slowSorting ?? 0) : heard, ...more);
+  };
+};
 await withBrowser(async (browser) => {
-  const { page, complaints, started, settle, picture, shot, slide } = await open(browser, url, { shots, width: 900, height: 520 });
+  const { page, complaints, started, settle, picture, shot, slide } = await open(browser, url, { shots, width: 900, height: 520, before: slowSorts });
+  /// The glow of the object under the pointer has gone: the next picture comes without it.
+  const nothingGlows = () => page.waitForFunction(() => document.getElementById('hovered').hidden && !window.aligngs.page.selection.glows, null, { polling: 30, timeout: 10000 });
   const start = await picture();
+  const asBefore = async (what) => {
+    const off = difference(start, await picture());
+    check(off < 1, `${what} (difference ${off.toFixed(3)} of 255)`);
+  };
   const firstPicture = Date.now() - started;
   console.log(`first picture after ${firstPicture} ms`);
   await shot('start');
@@ -27,7 +40,7 @@ await withBrowser(async (browser) => {
   await shot('labels');
   check(difference(start, labels) > 5, 'the label overlay changes the picture');
   await slide('#overlay', '0');
-  check(difference(start, await picture()) < 1, 'and goes away again');
+  await asBefore('and goes away again');
 
   const wall = page.locator('#classes li', { hasText: 'wall' }).first();
   await wall.locator('.eye').click();
@@ -40,7 +53,7 @@ await withBrowser(async (browser) => {
   check(difference(start, await picture()) > 5, 'solo leaves one class');
   await shot('solo');
   await page.locator('#all').click();
-  check(difference(start, await picture()) < 1, 'show all brings everything back');
+  await asBefore('show all brings everything back');
 
   const box = await page.locator('#canvas').boundingBox();
   await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
@@ -69,8 +82,20 @@ await withBrowser(async (browser) => {
   check(difference(start, await picture()) > 5, 'dragging turns the view');
   await page.locator('#picked-close').click(); // it glows
   await page.mouse.move(2, 2); // so does the object under the pointer, once the panel has gone
+  await nothingGlows();
   await page.keyboard.press('h');
-  check(difference(start, await picture()) < 1, 'home goes back to the start pose');
+  await asBefore('home goes back to the start pose');
+  // A sort that is asked for while another one runs is not lost: its picture would stay in a wrong order.
+  for (const round of [1, 2]) {
+    await page.evaluate(async () => {
+      window.slowSorting = 300; // milliseconds
+      const { viewer, page } = window.aligngs, next = () => new Promise((done) => viewer.app.once('frameend', done));
+      for (const turn of [500, 100]) { page.navigation.turn(turn, 0); await next(); } // the first sort runs, the second waits
+    });
+    await page.keyboard.press('h');
+    await asBefore(`and does so while a sort runs, round ${round}`);
+  }
+  await page.evaluate(() => { window.slowSorting = 0; });
 
   // At a training photo's place the splats look like the photo.
   const cameras = JSON.parse(readFileSync(join(run, 'cameras.json')));
@@ -114,7 +139,7 @@ await withBrowser(async (browser) => {
     }
   }
   await page.keyboard.press('Escape');
-  check(difference(start, await picture()) < 1, 'Escape leaves the comparison');
+  await asBefore('Escape leaves the comparison');
 
   await page.waitForFunction(() => window.aligngs.page.training.charts.points > 0, null, { timeout: 10000 });
   const points = await page.evaluate(() => window.aligngs.page.training.charts.points);
