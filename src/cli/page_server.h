@@ -13,6 +13,7 @@
 #include "serve/edit_service.h"
 #include "serve/scene_service.h"
 #include "serve/selection_service.h"
+#include "serve/start_picture.h"
 #include "serve/view_server.h"
 
 namespace aligngs {
@@ -47,6 +48,7 @@ class PageServer {
   std::unique_ptr<EditService> edits_;
   std::unique_ptr<SelectionService> selections_;
   std::unique_ptr<ViewRenders> renders_;
+  std::unique_ptr<StartPicture> start_;
   std::unique_ptr<ViewServer> server_;
   std::atomic<bool> stop_{false}, stop_asked_{false};
   std::thread thread_;

@@ -16,6 +16,7 @@
 #include "serve/packed_mesh.h"
 #include "serve/page_notes.h"
 #include "serve/splat_columns.h"
+#include "serve/start_pose.h"
 #include "serve/web_page.h"
 
 namespace aligngs {
@@ -129,6 +130,7 @@ std::string page_around(const std::string& data) {
                "<link rel=\"icon\" href=\"data:image/svg+xml;base64," + base64_text(page_file("/favicon.svg")) + "\">");
   replace_once(html, "<link rel=\"stylesheet\" href=\"/app.css\">", "<style>\n" + page_file("/app.css") + "</style>");
   replace_once(html, "<script type=\"module\" src=\"/app.js\"></script>\n", "");
+  replace_once(html, " src=\"/api/start.jpg\"", " hidden");  // a server draws it
   replace_once(html, "<script src=\"/start.js\"></script>",
                "<script>" + escaped_script(page_file("/start.js")) + "</script>");
   replace_once(html, "</body>",
@@ -182,6 +184,8 @@ std::string packed_scene(const HtmlParts& parts, const HtmlSceneInfo& info) {
                        {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : OrderedJson()}};
   state["up"] = room.up ? OrderedJson{room.up->x, room.up->y, room.up->z} : OrderedJson();
   state["cameras"] = cameras.is_array() ? cameras : OrderedJson();
+  const nlohmann::json up = room.up ? nlohmann::json{room.up->x, room.up->y, room.up->z} : nlohmann::json();
+  state["start"] = start_pose_json(start_pose(parse_json(cameras.dump()), up));
   state["edited"] = parts.before != nullptr;
   state["edits"] = parts.before != nullptr ? OrderedJson("1") : OrderedJson();
   state["room"] = measured.is_object() ? OrderedJson("room.json") : OrderedJson();

@@ -9,6 +9,7 @@
 #include "serve/file_version.h"
 #include "serve/page_notes.h"
 #include "serve/request_body.h"
+#include "serve/start_pose.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -174,7 +175,7 @@ std::string ServedRun::state() const {
                 {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
                 {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
                 {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()},
-                {"notes", nullptr},   {"selections", nullptr}};
+                {"notes", nullptr},   {"selections", nullptr},   {"start", nullptr}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -224,6 +225,7 @@ std::string ServedRun::state() const {
     state["up"] = field(description, "up");
     state["units"] = field(description, "units");
   }
+  state["start"] = start_pose_json(start_pose(state["cameras"], state["up"]));
   state["problems"] = descriptions.problems();
   return json_line(state);
 }

@@ -19,7 +19,7 @@ export interface RunState {
   edits: string | null;               // version of the edits
   selections: string | null;          // version of the selections by hand
   drawable: boolean;                  // the server draws pictures of the trained room
-  splats: string | null; mesh: string | null; up: [number, number, number] | null; units: string | null;
+  splats: string | null; mesh: string | null; up: [number, number, number] | null; start: { eye: number[]; target: number[] } | null; units: string | null;
   classes: ClassInfo[] | null; cameras: CameraInfo[] | null;
   views: Record<string, { split: string; kinds: string[] }>;
   train: { iterations?: number; gaussians?: number; seconds?: number } | null;
@@ -74,7 +74,7 @@ async function readState(): Promise<RunState> {
   if (kExported) {
     const { state, columns, room } = await unpackScene(embeddedBytes('aligngs-scene') as BlobPart);
     exported = { columns, room };
-    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, selections: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, notes: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
+    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, selections: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, notes: null, start: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
   }
   return answered(await request('/api/state'));
 }

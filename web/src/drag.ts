@@ -3,6 +3,7 @@ import { Vec3 } from 'playcanvas';
 import { type CameraInfo } from './api';
 import { type Splats } from './pick';
 import { type Cut } from './room_box';
+import { atHeight } from './view_rays';
 import { type Viewer } from './viewer';
 
 const kStart = 6;      // pixels that a press may wander before it drags
@@ -108,7 +109,7 @@ export class ObjectDrag {
     const object = this.target.picked();
     if (!g.moves && (!object || !this.take(object))) { this.cancel(); return; }
     g.moves = true;
-    const place = this.viewer.atHeight(e.clientX, e.clientY, g.place.y);
+    const place = atHeight(this.viewer, e.clientX, e.clientY, g.place.y);
     if (place) this.show(place.sub(g.place));
   }
 

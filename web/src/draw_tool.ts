@@ -1,8 +1,11 @@
-// Draws a shape over the picture with the mouse, a pen or a finger. Other buttons, the wheel and a second finger still
-// move the camera.
+// Draws a shape over the picture with the mouse, a pen, a finger or the keyboard. Other buttons, the wheel and a second
+// finger still move the camera.
 import { element } from './dom';
 import { type Point, type Tool } from './drawn_shape';
 
+const kKeyStep = 12; // CSS pixels that an arrow key moves the mark
+const kMark = 6;     // CSS pixels, radius of the mark of the keyboard
+const kArrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const kLeastMove = 3; // CSS pixels between two points of a line
 
 export class DrawTool {
@@ -10,6 +13,8 @@ export class DrawTool {
   radius = 30;              // of the brush, CSS pixels
   private points: Point[] = [];
   private pointer = -1;     // that draws
+  private mark: Point | null = null;  // of the keyboard
+  private corners: Point[] = [];      // that Enter has set
 
   /// `done` gets the points of a finished shape.
   constructor(private canvas: HTMLElement, private done: (points: Point[], keys: { shift: boolean; alt: boolean }) => void) {
@@ -20,6 +25,7 @@ export class DrawTool {
       if (this.pointer >= 0) { this.cancel(); return; } // a second finger: the camera, or nothing
       if (e.button !== 0) return;
       mine(e);
+      this.cancel();
       this.pointer = e.pointerId;
       canvas.setPointerCapture(e.pointerId);
       this.points = [this.at(e)];
@@ -44,11 +50,43 @@ export class DrawTool {
     canvas.addEventListener('pointerleave', () => element('draw-cursor').setAttribute('r', '0'));
   }
 
-  /// Leaves what is being drawn.
-  cancel(): void {
+  /// An arrow moves the mark. Enter sets a corner; at the second one a rectangle and a stroke end, at the last one again a lasso.
+  key(key: string): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas, by = kArrows[key];
+    this.mark ??= { x: width / 2, y: height / 2 };
+    if (by) {
+      const within = (v: number, most: number) => Math.max(0, Math.min(most, v));
+      this.mark = { x: within(this.mark.x + kKeyStep * by[0], width), y: within(this.mark.y + kKeyStep * by[1], height) };
+      if (this.tool === 'brush' && this.corners.length > 0) this.corners.push(this.mark);
+    } else if (this.enter(this.mark)) {
+      const points = this.corners;
+      this.cancel();
+      this.done(points, { shift: false, alt: false });
+      return;
+    }
+    this.points = this.corners.length > 0 ? [...this.corners, this.mark] : [];
+    this.show();
+    this.ring(this.mark, this.tool === 'brush' ? this.radius : kMark);
+  }
+
+  /// Whether the shape is finished.
+  private enter(at: Point): boolean {
+    const { corners, tool } = this, last = corners[corners.length - 1], again = last?.x === at.x && last.y === at.y;
+    if (tool === 'brush' && last) return true;
+    if (again) return tool === 'lasso' && corners.length > 2;
+    corners.push(at);
+    return tool === 'rectangle' && corners.length === 2;
+  }
+
+  /// Leaves what is being drawn; false: nothing was.
+  cancel(): boolean {
+    const drew = this.points.length > 0;
     this.pointer = -1;
     this.points = [];
+    this.corners = [];
     this.show();
+    this.ring({ x: 0, y: 0 }, 0);
+    return drew;
   }
 
   private at(e: PointerEvent): Point {
@@ -65,10 +103,12 @@ export class DrawTool {
   }
 
   /// The size of the brush under the pointer.
-  private cursor(e: PointerEvent): void {
-    const p = this.at(e), ring = element('draw-cursor');
+  private cursor(e: PointerEvent): void { this.ring(this.at(e), this.tool === 'brush' && e.target === this.canvas ? this.radius : 0); }
+
+  private ring(p: Point, radius: number): void {
+    const ring = element('draw-cursor');
     ring.setAttribute('cx', String(p.x));
     ring.setAttribute('cy', String(p.y));
-    ring.setAttribute('r', String(this.tool === 'brush' && e.target === this.canvas ? this.radius : 0));
+    ring.setAttribute('r', String(radius));
   }
 }

@@ -30,7 +30,7 @@ export class HandSelection {
 
   constructor(private viewer: Viewer, private messages: Messages, private actions: HandActions) {
     this.draw = new DrawTool(viewer.canvas, (points, keys) => this.take(points, keys.alt ? 'subtract' : keys.shift ? 'add' : this.how));
-    for (const button of document.querySelectorAll<HTMLElement>('#select-bar [data-tool]')) button.addEventListener('click', () => this.setTool(button.dataset.tool as Tool | 'look'));
+    for (const button of document.querySelectorAll<HTMLElement>('#select-bar [data-tool]')) button.addEventListener('click', () => { this.setTool(button.dataset.tool as Tool | 'look'); viewer.canvas.focus(); }); // arrows and Enter draw
     for (const button of document.querySelectorAll<HTMLElement>('#select-bar [data-how]')) button.addEventListener('click', () => this.setHow(button.dataset.how as How));
     const size = element<HTMLInputElement>('brush-size');
     size.addEventListener('input', () => { this.draw.radius = Number(size.value) / 2; });
@@ -42,6 +42,12 @@ export class HandSelection {
 
   /// Whether a drag on the picture draws.
   get drawing(): boolean { return this.open && this.draw.tool !== null; }
+
+  /// Draws by an arrow key or Enter.
+  key(key: string): void { this.draw.key(key); }
+
+  /// Leaves the shape that is being drawn, or else the tools.
+  escape(): void { if (!this.draw.cancel()) this.toggle(); }
 
   toggle(): void {
     this.open = !this.open;

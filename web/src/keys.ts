@@ -13,7 +13,7 @@ export interface Key {
 function owns(target: EventTarget | null, key: string): boolean {
   if (target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) return true;
   if (target instanceof HTMLInputElement) return target.type !== 'range' || key.startsWith('Arrow');
-  return key === ' ' && (target instanceof HTMLButtonElement || target instanceof HTMLElement && target.tagName === 'SUMMARY');
+  return (key === ' ' || key === 'Enter') && target instanceof HTMLElement && ['BUTTON', 'SUMMARY', 'A'].includes(target.tagName);
 }
 
 export function bindKeys(table: Key[]): void {

@@ -3,11 +3,14 @@ import { type AppBase, Color, Entity, Mesh, MeshInstance, StandardMaterial } fro
 import { type PlyMesh } from './mesh_ply';
 import { type ClassStyle } from './drawn_splats';
 
+const kGlow = [255, 122, 5]; // linear: the colour of the glow of splats (splat_layer.ts)
 const kLinear = Uint8Array.from({ length: 256 }, (_, i) => Math.round(255 * (i / 255) ** 2.2)); // sRGB to linear
 
 export class MeshLayer {
   private entity: Entity | null = null;
   private mesh: Mesh | null = null;
+  private colors = new Uint8Array();
+  private marked = false;
 
   constructor(private app: AppBase, private parent: Entity) {}
 
@@ -29,6 +32,8 @@ export class MeshLayer {
     }
     // The camera's output is converted to sRGB once more, the colours of the file are sRGB already.
     for (let i = 0; i < colors.length; ++i) if (i % 4 < 3) colors[i] = kLinear[colors[i]];
+    this.colors = colors;
+    this.marked = false;
     const mesh = new Mesh(this.app.graphicsDevice);
     mesh.setPositions(ply.positions);
     mesh.setColors32(colors);
@@ -47,6 +52,18 @@ export class MeshLayer {
     this.entity.enabled = show;
     this.mesh = mesh;
     this.keep(ply, keeps);
+  }
+
+  /// Lets vertices glow, one flag each; null: none.
+  glow(flags: Uint8Array | null, strength: number): void {
+    if (!this.mesh || (!flags && !this.marked)) return;
+    this.marked = !!flags;
+    const colors = new Uint8Array(this.colors);
+    for (let v = 0; flags && v < flags.length; ++v) {
+      for (let k = 0; flags[v] && k < 3; ++k) colors[4 * v + k] = (1 - strength) * colors[4 * v + k] + strength * kGlow[k];
+    }
+    this.mesh.setColors32(colors);
+    this.mesh.update();
   }
 
   /// Draws other triangles of the same mesh.

@@ -7,7 +7,7 @@ const kRest = 200, kSlowRest = 2;      // milliseconds of rest, and in frames wh
 const kWeight = 0.5;                   // of the newest frame in the mean
 
 export class MovingQuality {
-  private level = 0;
+  level = 0; // 0: everything is drawn while the camera moves, too
   private mean = 0; // milliseconds a frame at this level; 0: none was seen
   private took = 0; // milliseconds of the last frame
   private last = 0; // time of the last frame, 0: the camera has just begun to move
@@ -15,7 +15,6 @@ export class MovingQuality {
   get share(): number { return kLevels[this.level]; }
   /// Milliseconds without a move that are a rest, and no slow picture.
   get patience(): number { return Math.max(kRest, kSlowRest * this.took); }
-  get reduced(): boolean { return this.level > 0; }
 
   /// A frame was drawn while the camera moves.
   frame(now: number): void {

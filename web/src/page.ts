@@ -3,35 +3,32 @@ import { Vec3 } from 'playcanvas';
 import { editedMeshUrl, exportedMesh, fetchState, fileUrl, kExported, listen, type RunState } from './api';
 import { ClassList } from './class_list';
 import { Comparison } from './comparison';
-import { CutBox, cutOf } from './cut_box';
+import { CutBox } from './cut_box';
 import { tellConnected, tellStatus } from './connection';
 import { element } from './dom';
 import { ObjectDrag } from './drag';
 import { EditPanel } from './edits';
 import { HandSelection } from './hand_selection';
-import { joystick } from './joystick';
-import { bindKeys, showKeys, type Key } from './keys';
+import { type Key } from './keys';
 import { Measures } from './measures';
 import { Messages } from './messages';
-import { Navigation, type Mode, type Pose } from './navigation';
+import { Navigation } from './navigation';
 import { NoteKeeper } from './notes';
 import { ObjectList } from './object_list';
+import { bindControls } from './page_controls';
 import { pageKeys } from './page_keys';
 import { pathCamera } from './path_camera';
 import { PathPanel } from './path_panel';
-import { bindPickedEdits } from './picked_edits';
 import { bindPicture } from './picture';
+import { Places } from './places';
 import { Plan } from './plan';
-import { poseOf, SavedViews } from './saved_views';
+import { SavedViews } from './saved_views';
 import { SceneLoader } from './scene_loader';
-import { objectsOf, type SceneObject } from './scene_objects';
+import { objectsOf } from './scene_objects';
 import { Selection } from './selection';
-import { homeOf, poseBefore, upOf } from './start_pose';
-import { bindTheme } from './theme';
+import { upOf } from './start_pose';
 import { TrainingPanel } from './training';
 import { type Viewer } from './viewer';
-
-const kFieldOfView = 62, kUprightFieldOfView = 80; // degrees, vertical; the second for a phone held upright
 
 export class Page {
   state!: RunState;
@@ -41,7 +38,6 @@ export class Page {
   private loadedSplats = '';
   private loading: Promise<void> | null = null;
   private planned: Promise<void> = Promise.resolve(); // sizes of objects are known
-  private home: Pose | null = null; // stays the same while more splats come
   readonly navigation: Navigation;
   private loader = new SceneLoader();
   readonly messages = new Messages();
@@ -52,13 +48,14 @@ export class Page {
   readonly selection: Selection;
   readonly hand: HandSelection;
   readonly comparison: Comparison;
-  readonly plan = new Plan((place) => this.goTo(place));
+  readonly plan = new Plan((place) => this.places.goTo(place));
   readonly notes = new NoteKeeper(() => this.showNotes(), (e) => this.messages.error(e));
   readonly cut = new CutBox(() => this.applyCut());
   readonly views: SavedViews;
   readonly measures: Measures;
   readonly path: PathPanel;
   readonly drag: ObjectDrag;
+  readonly places = new Places(this);
   readonly keys: Key[] = pageKeys(this);
 
   constructor(readonly viewer: Viewer) {
@@ -68,9 +65,9 @@ export class Page {
       apply: (edit) => this.edits.apply(edit), tell: (text) => this.messages.show(text, 'work'),
     });
     this.navigation = new Navigation(viewer.camera, viewer.canvas, () => viewer.moved(), (x, y) => this.clicked(x, y));
-    this.comparison = new Comparison(viewer, () => { this.selection.clear(); this.navigation.enabled = false; }, () => this.startPose());
+    this.comparison = new Comparison(viewer, () => { this.selection.clear(); this.navigation.enabled = false; }, () => this.places.start());
     this.objects = new ObjectList({
-      fly: (o) => this.flyTo(o), remove: (o) => void this.edits.apply(`delete ${o.name} --fill`), point: (o) => this.selection.point(o),
+      fly: (o) => this.places.flyTo(o), remove: (o) => void this.edits.apply(`delete ${o.name} --fill`), point: (o) => this.selection.point(o),
       hide: (hidden) => viewer.hideObjects(hidden),
     });
     this.measures = new Measures(viewer, this.notes, this.messages);
@@ -78,12 +75,13 @@ export class Page {
       state: () => this.state, opened: () => this.selection.clear(), picked: (name, splats) => this.selection.chooseNamed(name, splats),
     });
     this.selection = new Selection(viewer, this.objects, () => { if (!this.hand.open) this.hand.clear(); });
-    this.views = new SavedViews(viewer, this.notes, () => this.navigation.pose, (pose) => this.look(pose.eye, pose.target), this.cut, (text) => this.messages.show(text));
+    this.views = new SavedViews(viewer, this.notes, () => this.navigation.pose, (pose) => this.places.look(pose.eye, pose.target), this.cut, (text) => this.messages.show(text));
     this.path = new PathPanel(pathCamera(this), this.messages);
     bindPicture(viewer, this.messages);
     viewer.moving = () => this.navigation.moving;
-    viewer.onPose = () => { this.selection.hover(null); this.markPlan(); };
-    this.bindControls();
+    viewer.onFirstSplats = () => this.dropFirstPicture();
+    viewer.onPose = () => { this.selection.hover(null); this.places.markPlan(); };
+    bindControls(this);
   }
 
   async start(): Promise<void> {
@@ -148,20 +146,15 @@ export class Page {
       if (this.frustaShown) this.viewer.setFrusta(s.cameras ?? [], 0.25);
       if (begins && first) {
         this.messages.clear();
-        this.startPose();
-        this.followLink();
+        this.places.start();
+        this.places.followLink();
       }
       await this.listLater();
-    });
+    }).catch((e) => { this.dropFirstPicture(); throw e; });
   }
 
-  /// Looks from where the address says, and cuts the room as it says.
-  private followLink(): void {
-    const pose = poseOf(location.hash);
-    if (!pose) return;
-    this.cut.set(cutOf(location.hash));
-    this.look(pose.eye, pose.target);
-  }
+  /// The server's picture of the start pose (src/serve/start_picture.h) is shown until the splats are drawn.
+  private dropFirstPicture(): void { element('first-picture').hidden = true; }
 
   /// The picked object, where a drag over it moves it: walls, the floor and what hangs on walls turn the view instead.
   private draggable(): { label: number; instance: number; name: string } | null {
@@ -202,47 +195,8 @@ export class Page {
     this.loading = (this.loading ?? Promise.resolve()).catch(() => {}).then(() => this.loadShown()).catch((e) => this.messages.error(e));
   }
 
-  startPose(): void {
-    this.home ??= homeOf(this.viewer, this.state.cameras ?? []);
-    this.look(this.home.eye, this.home.target);
-  }
-
-  /// Leaves the place of a photo and looks from here.
-  look(eye: Vec3, target: Vec3): void {
-    this.comparison.end();
-    this.navigation.enabled = true;
-    const { canvas } = this.viewer;
-    this.viewer.camera.camera!.fov = canvas.clientWidth < canvas.clientHeight ? kUprightFieldOfView : kFieldOfView;
-    this.navigation.lookFrom(eye, target);
-  }
-
-  private flyTo(object: SceneObject): void {
-    const { eye, target } = poseBefore(this.viewer, object);
-    this.look(eye, target);
-    this.selection.choose(object);
-  }
-
-  /// Goes to a place of the plan, as high as before.
-  private goTo(place: (height: number) => number[]): void {
-    const { eye, target } = this.navigation.pose, at = this.viewer.toWorld(place(0));
-    const move = new Vec3(at.x - eye.x, 0, at.z - eye.z);
-    this.setMode('walk');
-    this.look(eye.clone().add(move), target.clone().add(move));
-  }
-
-  private markPlan(): void {
-    const { eye, target } = this.navigation.pose;
-    this.plan.mark(this.viewer.fromWorld(eye, true), this.viewer.fromWorld(target.sub(eye), false));
-  }
-
-  setMode(mode: Mode): void {
-    this.navigation.setMode(mode);
-    element('walk').setAttribute('aria-pressed', String(mode === 'walk'));
-    element('stick').hidden = mode !== 'walk';
-  }
-
-  private applyCut(): void { this.viewer.cutTo(this.cut.bounds(this.viewer.room), this.cut.lines(this.viewer.room)); }
-  private applyStyles(): void {
+  applyCut(): void { this.viewer.cutTo(this.cut.bounds(this.viewer.room), this.cut.lines(this.viewer.room)); }
+  applyStyles(): void {
     this.viewer.setStyles(this.classes.styles, Number(element<HTMLInputElement>('overlay').value) / 100);
   }
 
@@ -278,33 +232,6 @@ export class Page {
     this.applyStyles();
   }
 
-  private bindControls(): void {
-    const on = (id: string, event: string, action: () => void) => element(id).addEventListener(event, action);
-    on('show-splats', 'click', () => this.showMode('splats'));
-    on('show-mesh', 'click', () => this.showMode('mesh'));
-    on('overlay', 'input', () => this.applyStyles());
-    on('measure', 'click', () => this.measures.toggle());
-    on('frusta', 'click', () => this.toggleFrusta());
-    on('home', 'click', () => this.startPose());
-    on('walk', 'click', () => this.setMode(this.navigation.mode === 'walk' ? 'orbit' : 'walk'));
-    on('plan-button', 'click', () => this.togglePlan());
-    on('plan-close', 'click', () => this.togglePlan());
-    joystick(element('stick'), (right, forward) => { this.navigation.stick = { right, forward }; this.navigation.run(); });
-    this.viewer.canvas.addEventListener('pointermove', (e) => {
-      if (e.pointerType === 'mouse' && e.buttons === 0 && !this.measures.active && !this.hand.drawing && !this.comparison.camera) this.selection.hover({ x: e.clientX, y: e.clientY });
-      else if (e.buttons !== 0) this.selection.hover(null);
-    });
-    window.addEventListener('hashchange', () => this.followLink());
-    bindTheme((dark) => { this.viewer.setBackground(dark); this.training.charts.recolor(); });
-    on('original', 'click', () => this.toggleOriginal());
-    bindPickedEdits(this.selection, this.edits);
-    on('reload', 'click', () => location.reload());
-    on('help-button', 'click', () => showKeys(this.keys));
-    on('help-close', 'click', () => element<HTMLDialogElement>('help').close());
-    on('panel-button', 'click', () => this.openPanel(!document.body.classList.contains('panel-open')));
-    bindKeys(this.keys);
-  }
-
   openPanel(open: boolean): void {
     document.body.classList.toggle('panel-open', open);
     element('panel-button').setAttribute('aria-expanded', String(open));
@@ -315,16 +242,16 @@ export class Page {
     if (element('plan-button').hidden) return;
     box.hidden = !box.hidden;
     element('plan-button').setAttribute('aria-pressed', String(!box.hidden));
-    this.markPlan();
+    this.places.markPlan();
   }
 
   escape(): void {
     if (this.path.playing) this.path.toggle();
     else if (!element('plan').hidden) this.togglePlan();
     else if (this.measures.active) this.measures.toggle();
-    else if (this.hand.open) this.hand.toggle();
-    else if (this.comparison.camera) this.startPose();
-    else if (this.navigation.mode === 'walk') this.setMode('orbit');
+    else if (this.hand.open) { this.hand.escape(); if (this.hand.open) return; }
+    else if (this.comparison.camera) this.places.start();
+    else if (this.navigation.mode === 'walk') this.places.setMode('orbit');
     this.selection.clear();
   }
 }

@@ -11,6 +11,6 @@ export function pathCamera(page: Page): PathCamera {
     },
     show: (key) => viewer.lookFrom(viewer.toWorld(key.eye), viewer.toWorld(key.target), key.fov),
     begin: () => { page.comparison.end(); page.selection.clear(); page.navigation.enabled = false; },
-    end: (key) => { page.look(viewer.toWorld(key.eye), viewer.toWorld(key.target)); viewer.lookFrom(viewer.toWorld(key.eye), viewer.toWorld(key.target), key.fov); },
+    end: (key) => { page.places.look(viewer.toWorld(key.eye), viewer.toWorld(key.target)); viewer.lookFrom(viewer.toWorld(key.eye), viewer.toWorld(key.target), key.fov); },
   };
 }

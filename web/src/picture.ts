@@ -2,6 +2,7 @@
 import { element } from './dom';
 import { type Messages } from './messages';
 import { offer } from './path_panel';
+import { pictureOf } from './view_picture';
 import { type Viewer } from './viewer';
 
 /// "1920x1080" of the list, or the size of the canvas.
@@ -17,7 +18,7 @@ export function bindPicture(viewer: Viewer, messages: Messages): void {
     button.disabled = true;
     messages.show('drawing the picture', 'work');
     try {
-      offer(await viewer.picture(width, height), `view_${width}x${height}.png`);
+      offer(await pictureOf(viewer, width, height), `view_${width}x${height}.png`);
       messages.show(`The picture has ${width} × ${height} pixels.`);
     } catch (e) {
       messages.error(e);

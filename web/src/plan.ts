@@ -22,6 +22,15 @@ function draw(name: string, attributes: Record<string, string | number>, text = 
   return made;
 }
 
+/// The length of a wall, outside along it. `middle`: of the drawing; `size`: of the text.
+function lengthOf(wall: RoomFile['walls'][number], middle: number[], size: number, unit: string): SVGElement {
+  const x = (wall.from[0] + wall.to[0]) / 2, y = -(wall.from[1] + wall.to[1]) / 2, dx = wall.to[0] - wall.from[0], dy = wall.from[1] - wall.to[1];
+  const out = Math.sign(dx * (y - middle[1]) - dy * (x - middle[0])) || 1, along = Math.hypot(dx, dy) || 1, angle = (Math.atan2(dy, dx) * 180) / Math.PI;
+  const upright = angle > 91 ? angle - 180 : angle <= -89 ? angle + 180 : angle; // read from below or from the right
+  const place = `translate(${x - (out * dy * size) / along} ${y + (out * dx * size) / along}) rotate(${upright})`;
+  return draw('text', { transform: place, dy: 0.35 * size, class: 'plan-text', 'font-size': size }, `${wall.length.toFixed(2)}${unit}`);
+}
+
 export class Plan {
   sizes: MeasuredSizes = new Map();
   private room: RoomFile | null = null;
@@ -73,12 +82,13 @@ export class Plan {
     }
     for (const w of room.walls) {
       parts.push(draw('line', { x1: w.from[0], y1: -w.from[1], x2: w.to[0], y2: -w.to[1], class: 'plan-wall', 'stroke-width': 0.25 * text }));
-      parts.push(draw('text', { x: (w.from[0] + w.to[0]) / 2, y: -(w.from[1] + w.to[1]) / 2 - 0.4 * text, class: 'plan-text', 'font-size': text }, `${w.length.toFixed(2)}${unit}`));
     }
     for (const o of room.openings) {
       const [a, b] = [o.outline[0], o.outline[1]];
       parts.push(draw('line', { x1: a[0], y1: -a[1], x2: b[0], y2: -b[1], class: `plan-${o.kind}`, 'stroke-width': 0.45 * text }));
     }
+    const middle = [left + width / 2, top + height / 2];
+    for (const w of room.walls) parts.push(lengthOf(w, middle, text, unit));
     parts.push(draw('path', { id: 'plan-camera', d: `M0 0 L${2.2 * text} ${-text} A${2.4 * text} ${2.4 * text} 0 0 1 ${2.2 * text} ${text} Z`, class: 'plan-camera' }));
     picture.replaceChildren(...parts);
   }

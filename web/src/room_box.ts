@@ -5,6 +5,7 @@ const kAngles = 30;        // directions of walls that are tried, over a right a
 const kSample = 4000;
 const kTail = 0.02;        // share of splats at either end that do not count: haze behind the walls
 const kWall = 0.06;        // share of the box that a wall may be thick or bent
+const kLeastShare = 0.1;     // of the way to a target, where the eye is at the wall itself
 const kLeast = 1e-3;       // scene units
 
 /// A side that is cut away: splats with dot(position, normal) > offset.
@@ -51,6 +52,17 @@ export class RoomBox {
   /// The walls: level directions out of the room, and how far the box reaches in each.
   get walls(): Cut[] {
     return [0, 2].flatMap((k) => [{ normal: this.axes[k].clone(), offset: this.high[k] }, { normal: this.axes[k].clone().mulScalar(-1), offset: -this.low[k] }]);
+  }
+
+  /// A place inside that is seen from `eye` in the direction of `target`: the target itself, or one before the wall.
+  nearer(eye: Vec3, target: Vec3): Vec3 {
+    const way = new Vec3().sub2(target, eye);
+    let share = 1;
+    this.axes.forEach((axis, k) => {
+      const at = eye.dot(axis), along = way.dot(axis), left = (along > 0 ? this.high[k] : this.low[k]) - at;
+      if (left * along > 0) share = Math.min(share, left / along);
+    });
+    return eye.clone().add(way.mulScalar(Math.max(kLeastShare, share)));
   }
 
   /// The nearest place inside, `margin` scene units off the walls.

@@ -1,7 +1,6 @@
 // The poses that the camera begins with, and in front of one object.
 import { Vec3 } from 'playcanvas';
-import { type CameraInfo } from './api';
-import { lookedAt } from './looked_at';
+import { type CameraInfo, type RunState } from './api';
 import { type Pose } from './navigation';
 import { type SceneObject } from './scene_objects';
 import { type Viewer } from './viewer';
@@ -15,12 +14,16 @@ export function upOf(cameras: CameraInfo[]): Vec3 {
   return sum.length() > 1e-6 ? sum.normalize() : new Vec3(0, -1, 0);
 }
 
-/// From the photo's place farthest from what the photos look at towards that.
-export function homeOf(viewer: Viewer, cameras: CameraInfo[]): Pose {
-  const seen = lookedAt(cameras), { room } = viewer;
-  const target = seen && room ? room.inside(viewer.toWorld(seen), 0) : viewer.middle();
+/// The server's start pose of the room (src/serve/start_pose.h), else from the photo's place farthest from the middle.
+export function homeOf(viewer: Viewer, state: RunState): Pose {
+  const { room } = viewer;
+  if (state.start) {
+    const eye = viewer.toWorld(state.start.eye), target = viewer.toWorld(state.start.target);
+    return { eye, target: room ? room.nearer(eye, target) : target };
+  }
+  const target = viewer.middle();
   let eye = target.clone().add(new Vec3(0, 1, 3)), farthest = 0;
-  for (const c of cameras) {
+  for (const c of state.cameras ?? []) {
     const p = viewer.toWorld(c.position), d = p.distance(target);
     if (d > farthest) { farthest = d; eye = p; }
   }

@@ -2,32 +2,34 @@
 // PlayCanvas.
 import {
   AppBase, AppOptions, type CameraComponent, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
-  GSplatHandler, type Layer, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RESOLUTION_FIXED, RenderComponentSystem, Texture, TextureHandler, Vec3,
+  GSplatHandler, type Layer, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem, Texture, TextureHandler, Vec3,
   createGraphicsDevice,
 } from 'playcanvas';
 import { type CameraInfo } from './api';
 import { type Columns } from './columns';
 import { type CutBounds } from './cut_box';
 import { DrawOrder } from './draw_order';
+import { DrawQuality, pixelRatio } from './draw_quality';
 import { DrawnSplats, type ClassStyle } from './drawn_splats';
+import { verticesOf } from './mesh_glow';
 import { MeshLayer } from './mesh_layer';
 import { MeshPicker } from './mesh_pick';
 import { fetchMesh, type PlyMesh } from './mesh_ply';
-import { MovingQuality } from './moving_quality';
-import { kLeastAlpha, pickSplat, type Hit, type Splats } from './pick';
+import { pickSplat, type Hit, type Splats } from './pick';
 import { RoomBox } from './room_box';
 import { frustaLines, rulerLines, SceneLines, type Line } from './scene_lines';
+import { SplatCull } from './splat_cull';
 import { kStyles, SplatLayer } from './splat_layer';
 import { middleOf, solidPoints } from './splat_points';
+import { cullViewOf } from './splat_view';
+import { rayAt } from './view_rays';
 import { kContext } from './webgl_context';
 
-const kMostPixelRatio = 1.5;     // device pixels a CSS pixel: more is not seen and costs time
-const kMovingAlpha = 1 / 32;     // opacity below which a splat is not drawn then
-const kLeastSize = 2, kMovingSize = 3; // pixels below which a splat is not drawn, at rest and while the camera moves
 const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
-const kPictureTime = 30000; // milliseconds that a picture of a chosen size may take
 const kSortTime = 3000, kLook = 20; // milliseconds that a sorted picture is waited for, and between two looks
 const kSettle = 300; // milliseconds of drawing after a change, so that the sorting worker gets it
+
+interface Marked { label: number; instance: number }
 
 export class Viewer {
   readonly camera = new Entity('camera');
@@ -36,16 +38,14 @@ export class Viewer {
   mesh: PlyMesh | null = null;
   frames = 0;
   settled = false; // the last picture has all splats in their final order, and all pixels
+  private hasDrawn = false; // splats, at any time
   private sorted = false; // a picture in the final order was drawn since it was asked for
   onPose: () => void = () => {};
+  onFirstSplats: () => void = () => {}; // the first picture of splats is to be seen
   moving: () => boolean = () => false; // a pointer or a key is held
   room: RoomBox | null = null;
   readonly drawn = new DrawnSplats();
   private cutSides = '';
-  private sharp = 0; // timer: the full quality comes back
-  private quality = new MovingQuality();
-  private drawsMoving = false;
-  private framesBefore = 0; // frames when the camera moved last
   private layer: SplatLayer | null = null;
   private meshLayer!: MeshLayer;
   private meshPicker = new MeshPicker();
@@ -53,13 +53,23 @@ export class Viewer {
   private mix = 0;
   private drawUntil = 0;
   private lines = new SceneLines();
-  private order: DrawOrder;
+  private glowing: { which: Marked; strength: number } | null = null;
+  readonly order: DrawOrder;
+  culled: SplatCull | null = null; // null: all splats are drawn
+  private displaced = false; // an object is drawn at another place than its splats have
+  readonly quality: DrawQuality;
 
-  private constructor(readonly app: AppBase, readonly canvas: HTMLCanvasElement) { this.order = new DrawOrder(app); }
+  private constructor(readonly app: AppBase, readonly canvas: HTMLCanvasElement) {
+    this.order = new DrawOrder(app, () => (this.culled && !this.displaced ? { splats: this.culled, view: cullViewOf(this) } : null));
+    this.quality = new DrawQuality(app, () => this.moving(), () => this.resize(), () => {
+      this.layer?.update(); // colours as they are from here: while moving, PlayCanvas keeps those of up to 10 degrees before
+      this.draw();
+    });
+  }
 
   static async create(canvas: HTMLCanvasElement): Promise<Viewer> {
     const device = await createGraphicsDevice(canvas, { deviceTypes: ['webgl2'], ...kContext } as object);
-    device.maxPixelRatio = Math.min(window.devicePixelRatio, kMostPixelRatio);
+    device.maxPixelRatio = pixelRatio();
     const options = new AppOptions();
     options.graphicsDevice = device;
     options.componentSystems = [RenderComponentSystem, CameraComponentSystem, GSplatComponentSystem];
@@ -82,11 +92,14 @@ export class Viewer {
     splatSystem.on('frame:request', () => { app.renderNextFrame = true; });
     splatSystem.on('frame:ready', (camera: CameraComponent, layer: Layer, ready: boolean, loading: number) => {
       viewer.order.watch(camera, layer);
-      viewer.sorted ||= ready && loading === 0;
-      viewer.settled = ready && loading === 0 && viewer.order.final && !viewer.drawsMoving;
+      if (ready && loading === 0) {
+        if (!viewer.hasDrawn) requestAnimationFrame(() => viewer.onFirstSplats());
+        viewer.sorted = viewer.hasDrawn = true;
+      }
+      viewer.settled = ready && loading === 0 && viewer.order.final && !viewer.quality.moves;
     });
     app.on('update', () => { if (viewer.order.again() || performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
-    app.on('prerender', () => { ++viewer.frames; if (viewer.drawsMoving) viewer.quality.frame(performance.now()); viewer.lines.draw(app); });
+    app.on('prerender', () => { ++viewer.frames; viewer.quality.frame(); viewer.lines.draw(app); });
     app.start();
     // The canvas is given the size of its place in pixels, so that place is watched.
     new ResizeObserver(() => { viewer.resize(); viewer.draw(); }).observe(canvas.parentElement!);
@@ -94,7 +107,7 @@ export class Viewer {
   }
 
   /// The last picture is final: nothing moves, and nothing is left to sort or to draw.
-  get resting(): boolean { return !this.drawsMoving && (this.settled || this.showsMesh) && performance.now() >= this.drawUntil && !this.app.renderNextFrame; }
+  get resting(): boolean { return !this.quality.moves && (this.settled || this.showsMesh) && performance.now() >= this.drawUntil && !this.app.renderNextFrame; }
 
   /// The splats are drawn in their order, or seconds have passed.
   async nextPicture(): Promise<void> {
@@ -113,64 +126,15 @@ export class Viewer {
 
   /// The camera has moved: fewer pixels and no faint splats until it rests, and walls that are in the way go.
   moved(): void {
-    this.setQuality(true);
-    this.framesBefore = this.frames;
-    this.restAgain();
+    this.quality.moved();
     this.cutWalls();
     this.draw();
     this.onPose();
   }
 
-  /// The full quality comes back when the camera rests; a slow picture is no rest.
-  private restAgain(): void {
-    window.clearTimeout(this.sharp);
-    this.sharp = window.setTimeout(() => {
-      if (this.moving() || this.frames === this.framesBefore) { this.restAgain(); return; }
-      this.setQuality(false);
-      this.layer?.update(); // colours as they are from here: while moving, PlayCanvas keeps those of up to 10 degrees before
-      this.draw();
-    }, this.quality.patience);
-  }
-
-  private setQuality(moving: boolean): void {
-    const { gsplat } = this.app.scene, reduced = moving && this.quality.reduced;
-    gsplat.alphaClipForward = reduced ? kMovingAlpha : kLeastAlpha;
-    gsplat.minPixelSize = reduced ? kMovingSize : kLeastSize;
-    if (!moving) this.quality.rest();
-    this.drawsMoving = moving;
-    const device = this.app.graphicsDevice, ratio = (moving ? this.quality.share : 1) * Math.min(window.devicePixelRatio, kMostPixelRatio);
-    if (device.maxPixelRatio === ratio) return;
-    device.maxPixelRatio = ratio;
-    this.resize();
-  }
-
-  private resize(): void {
+  resize(): void {
     const place = this.canvas.parentElement!;
     this.app.resizeCanvas(place.clientWidth, place.clientHeight);
-  }
-
-  /// The view at a size of its own, as a PNG file; what is on the screen stays.
-  async picture(width: number, height: number): Promise<Blob> {
-    const { app } = this;
-    try {
-      this.setQuality(false);
-      app.setCanvasResolution(RESOLUTION_FIXED, width, height);
-      app.graphicsDevice.setResolution(width, height); // whatever the pixels of the screen are
-      for (const end = performance.now() + kPictureTime; ;) {
-        this.draw();
-        await new Promise(requestAnimationFrame);
-        await new Promise(requestAnimationFrame);
-        if (this.showsMesh || this.settled) break;
-        if (performance.now() > end) throw new Error('The picture does not come to rest. Try again without moving the camera.');
-      }
-      const blob = await new Promise<Blob | null>((done) => this.canvas.toBlob(done, 'image/png'));
-      if (!blob || this.canvas.width !== width || this.canvas.height !== height) throw new Error(`This browser cannot draw ${width} × ${height} pixels.`);
-      return blob;
-    } finally {
-      app.setCanvasResolution(RESOLUTION_AUTO);
-      this.resize();
-      this.draw();
-    }
   }
 
   private cutWalls(): void {
@@ -205,6 +169,7 @@ export class Viewer {
     const old = this.layer;
     this.layer = new SplatLayer(this.app.graphicsDevice, this.world, columns, this.styleTexture);
     this.splats = this.layer.splats;
+    this.culled = new SplatCull(this.splats);
     this.layer.entity.enabled = old ? old.entity.enabled : true;
     old?.destroy();
     this.room = RoomBox.of(solidPoints(this.splats, (p) => this.toWorld(p)));
@@ -215,23 +180,23 @@ export class Viewer {
   }
 
   /// Lets an object glow; `strength` 0 to 1.
-  glow(which: { label: number; instance: number } | null, strength = 0.5): void {
+  glow(which: Marked | null, strength = 0.5): void {
+    this.glowing = which && { which, strength };
     this.layer?.glow(which, strength);
+    if (this.showsMesh) this.glowMesh();
     this.draw();
+  }
+
+  private glowMesh(): void {
+    const { mesh, splats, glowing } = this;
+    if (mesh) this.meshLayer.glow(glowing && verticesOf(mesh, splats, glowing.which), glowing?.strength ?? 0);
   }
 
   /// Draws an object at another place until new splats come; null: where it is.
-  moveObject(which: { label: number; instance: number } | null, shift = new Vec3()): void {
+  moveObject(which: Marked | null, shift = new Vec3()): void {
+    this.displaced = which !== null;
     this.layer?.move(which, [shift.x, shift.y, shift.z]);
     this.draw();
-  }
-
-  /// The place of a level of the y-up world that is under a point of the canvas (CSS pixels); null: none.
-  atHeight(x: number, y: number, height: number): Vec3 | null {
-    const box = this.canvas.getBoundingClientRect(), eye = this.camera.getPosition();
-    const direction = this.camera.camera!.screenToWorld(x - box.left, y - box.top, 10).sub(eye).normalize();
-    const along = (height - eye.y) / direction.y;
-    return Number.isFinite(along) && along > 0 ? eye.clone().add(direction.mulScalar(along)) : null;
   }
 
   /// Draws what is in a box alone, and its edges.
@@ -266,6 +231,7 @@ export class Viewer {
   private buildMesh(): void {
     const mesh = this.mesh!;
     this.meshLayer.build(mesh, (label) => this.style(label), this.mix, (corner) => this.drawn.hasTriangle(mesh, corner));
+    this.glowMesh();
     this.draw();
   }
 
@@ -274,6 +240,7 @@ export class Viewer {
   show(what: 'splats' | 'mesh'): void {
     if (this.layer) this.layer.entity.enabled = what === 'splats';
     this.meshLayer.show(what === 'mesh');
+    this.glowMesh();
     this.draw();
   }
 
@@ -318,17 +285,13 @@ export class Viewer {
     this.draw();
   }
 
-  /// The object under a point of the canvas (CSS pixels), and its place in the y-up world.
+  /// The object under a point of the canvas (CSS pixels of the window), and its place in the y-up world.
   pick(x: number, y: number): { hit: Hit; point: Vec3 } | null {
-    const box = this.canvas.getBoundingClientRect();
-    const far = this.camera.camera!.screenToWorld(x - box.left, y - box.top, 10);
-    const eye = this.camera.getPosition(), direction = far.sub(eye).normalize();
-    const back = this.world.getWorldTransform().clone().invert();
-    const o = back.transformPoint(eye), d = back.transformVector(direction);
-    const { splats, mesh, drawn } = this, origin = [o.x, o.y, o.z], along = [d.x, d.y, d.z];
+    const { eye, direction } = rayAt(this, x, y), origin = this.fromWorld(eye, true), along = this.fromWorld(direction, false);
+    const { splats, mesh, drawn } = this;
     const hit = this.showsMesh && mesh ? this.meshPicker.pick(mesh, splats, origin, along, (corner) => drawn.hasTriangle(mesh, corner))
       : splats && pickSplat(splats, origin, along, (i) => drawn.has(splats, i));
-    return hit && { hit, point: eye.clone().add(direction.mulScalar(hit.distance)) };
+    return hit && { hit, point: eye.clone().add(direction.clone().mulScalar(hit.distance)) };
   }
 
   /// The middle of the room, in the y-up world.
