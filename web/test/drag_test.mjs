@@ -28,7 +28,7 @@ await withBrowser(async (browser) => {
     const big = page.objects.objects.filter((o) => !shell.test(o.name)).sort((a, b) => b.count - a.count);
     const box = viewer.canvas.getBoundingClientRect();
     for (const o of big) {
-      page.flyTo(o);
+      page.places.flyTo(o);
       for (const [u, v] of [[0.5, 0.5], [0.5, 0.6], [0.4, 0.5], [0.6, 0.5], [0.5, 0.4]]) {
         const x = box.left + u * box.width, y = box.top + v * box.height, found = viewer.pick(x, y);
         if (found && found.hit.label === o.label && found.hit.instance === o.instance) return { name: o.name, x, y, label: o.label, instance: o.instance };

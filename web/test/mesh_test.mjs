@@ -50,8 +50,13 @@ await withBrowser(async (browser) => {
   await page.mouse.click(...at(0.5, 0.5));
   const picked = await page.locator('#picked-text').textContent();
   check(picked.startsWith(told.split(':')[0]) && !picked.includes('of the ray'), `a click names it (${picked})`);
+  await page.mouse.move(2, 2);
+  const glowing = difference(start, await picture());
+  check(glowing > 0.5, `and it glows (${glowing.toFixed(1)} levels)`);
   await shot('picked');
   await page.keyboard.press('Escape');
+  const dark = difference(start, await picture());
+  check(dark < 0.1, `until it is let go (${dark.toFixed(2)} levels)`);
   await page.keyboard.press('m');
   await page.mouse.click(...at(0.3, 0.5));
   await page.mouse.click(...at(0.6, 0.55));

@@ -29,6 +29,24 @@ await withBrowser(async (browser) => {
   await shot('start');
   check(spread(start) > 25, `the start pose shows a scene (spread of the pixels ${spread(start).toFixed(1)})`);
   check(firstPicture < 30000, 'the first picture stands within half a minute, on a machine without a graphics card');
+  // The server's picture, which is shown before, is of the same place.
+  const ahead = await page.evaluate(async () => {
+    const picture = document.getElementById('first-picture'), gone = picture.hidden, canvas = document.getElementById('canvas').getBoundingClientRect();
+    picture.hidden = false;
+    for (let k = 0; k < 50 && picture.naturalWidth < 2; ++k) { // it is drawn in the background
+      picture.src = `/api/start.jpg?${k}`;
+      await picture.decode();
+      await new Promise((later) => setTimeout(later, 200));
+    }
+    const small = document.createElement('canvas'), at = picture.getBoundingClientRect(), [w, h] = [160, 90];
+    small.width = w; small.height = h;
+    const context = small.getContext('2d'), x = w / canvas.width, y = h / canvas.height;
+    context.drawImage(picture, (at.left - canvas.left) * x, (at.top - canvas.top) * y, at.width * x, at.height * y);
+    picture.hidden = true;
+    return { gone, width: picture.naturalWidth, pixels: Array.from(context.getImageData(0, 0, w, h).data) };
+  });
+  check(ahead.gone, 'the picture of the server has gone');
+  check(ahead.width > 1000 && difference(start, ahead.pixels) < 8, `and shows what the splats show (difference ${difference(start, ahead.pixels).toFixed(1)} of 255)`);
   const idle = await page.evaluate(() => window.aligngs.viewer.frames);
   await page.waitForTimeout(2000);
   check(await page.evaluate(() => window.aligngs.viewer.frames) === idle, 'nothing is drawn while nothing changes');
@@ -85,6 +103,11 @@ await withBrowser(async (browser) => {
   await nothingGlows();
   await page.keyboard.press('h');
   await asBefore('home goes back to the start pose');
+  // Splats that the view cannot show are not drawn, and not missed.
+  const [drawn, all] = await page.evaluate(() => { const { viewer } = window.aligngs; window.culled = viewer.culled; viewer.culled = null; viewer.draw(); return [viewer.order.shown, viewer.splats.count]; });
+  await asBefore(`${drawn} of ${all} splats make the picture of all`);
+  check(drawn < 0.95 * all && await page.evaluate(() => window.aligngs.viewer.order.shown) === all, 'and all were drawn for that');
+  await page.evaluate(() => { const { viewer } = window.aligngs; viewer.culled = window.culled; viewer.draw(); });
   // A sort that is asked for while another one runs is not lost: its picture would stay in a wrong order.
   for (const round of [1, 2]) {
     await page.evaluate(async () => {

@@ -66,6 +66,36 @@ await withBrowser(async (browser) => {
   await page.mouse.move(2, 2);
   check((await count()) === 0 && difference(start, await picture()) < 1, 'clear lets everything go');
 
+  // The keyboard alone.
+  const press = async (key, times = 1) => { for (let i = 0; i < times; ++i) await page.keyboard.press(key); };
+  await page.locator('[data-tool=rectangle]').focus();
+  await press('Enter');
+  check(await page.evaluate(() => document.activeElement.id) === 'canvas', 'Enter on a tool goes to the picture');
+  const looked = await page.evaluate(() => window.aligngs.page.navigation.pose.eye.toString());
+  await press('ArrowLeft', 6);
+  await press('ArrowUp', 5);
+  await press('Enter');
+  await press('ArrowRight', 12);
+  await press('ArrowDown', 10);
+  await shot('keyboard');
+  await press('Enter');
+  const keyed = await count();
+  check(keyed > 20, `arrows and Enter draw a rectangle (${keyed} splats)`);
+  check(looked === await page.evaluate(() => window.aligngs.page.navigation.pose.eye.toString()), 'and leave the camera');
+  await press('?');
+  check((await page.locator('#key-list').textContent()).includes('draw the selection'), 'the list of keys says so');
+  await press('Escape');
+  await page.locator('[data-tool=lasso]').focus();
+  await press('Enter');
+  for (const key of ['ArrowRight', 'ArrowDown', 'ArrowLeft']) { await press('Enter'); await press(key, 6); }
+  await press('Enter', 2);
+  check((await count()) > 0 && (await count()) < keyed, `and a lasso (${await count()})`);
+  await press('Enter');
+  await press('ArrowRight');
+  await press('Escape');
+  check(await page.locator('#select-bar').isVisible() && (await page.locator('#draw-line').getAttribute('d')) === '', 'Escape leaves the shape, not the tools');
+  await page.locator('#select-clear').click();
+
   // The camera, and a finger.
   const pose = () => page.evaluate(() => window.aligngs.page.navigation.pose.eye.toString());
   const stood = await pose();
