@@ -28,6 +28,7 @@ constexpr uint64_t kPageLimit = uint64_t(64) << 20;    // bytes of one file of t
 constexpr uint64_t kMostRunJson = uint64_t(16) << 20;  // bytes of cameras.json or room.json
 constexpr size_t kSampleShare = 16;                    // one part of this many of each column is compressed
 constexpr double kMeshBytes = 7.7;                     // of a triangle in the file, measured on simplified rooms
+constexpr double kWholeMeshBytes = 5.7;                // the same where no triangle is left out: neighbours are close
 constexpr size_t kBase64In = 3, kBase64Out = 4;        // bytes
 
 OrderedJson classes_of(const LabelSet& labels) {
@@ -164,7 +165,10 @@ uint64_t estimated_splats(const EditableRoom& room) {
 uint64_t estimated_mesh(const EditableRoom& room, const HtmlParts& parts) {
   if (!parts.mesh) return 0;
   const size_t all = room.mesh.triangles.size(), limit = parts.mesh_options.triangles;
-  return static_cast<uint64_t>(kMeshBytes * static_cast<double>(limit > 0 ? std::min(limit, all) : all));
+  const double kept = static_cast<double>(limit > 0 ? std::min(limit, all) : all);
+  const double whole =
+      all > 0 ? std::max(0.0, 2 * kept / static_cast<double>(all) - 1) : 1;  // 0: half of them, or fewer
+  return static_cast<uint64_t>((kMeshBytes + whole * (kWholeMeshBytes - kMeshBytes)) * kept);
 }
 
 }  // namespace
