@@ -17,9 +17,9 @@ PageServer::PageServer(PageServerOptions options) {
   const std::filesystem::path& run = options.server.run;
   scenes_ = std::make_unique<SceneService>(run, options.server.expect_run);
   scenes_->serve(options.server);
+  start_ = std::make_unique<StartPicture>(run, options.server.expect_run, options.threads);
+  start_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
-    start_ = std::make_unique<StartPicture>(run, options.server.expect_run, options.threads);
-    start_->serve(options.server);
     edits_ = std::make_unique<EditService>(EditServiceOptions{
         run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); }});
     edits_->serve(options.server);
