@@ -101,7 +101,7 @@ Vec3d shift_along(std::string length, std::string unit, std::string direction) {
     throw_usage("\"" + length + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
   direction = std::regex_replace(lower(direction), std::regex(" +"), " ");
   for (const Direction& known : kDirections) {
-    if (direction == known.word) return known.axis * (*value * metres);
+    if (direction == known.word) return known.axis * (*value * metres) + Vec3d{};  // without -0
   }
   return {};
 }

@@ -33,7 +33,7 @@ def export(form, file, *options):
 
 def edit(name, *options):
     outputs = ["run/edits.json", "run/edits", "run/selections.json"]
-    return Command(f"edit {name}", ["edit", "run", *options], outputs, once=name in ("move", "duplicate", "replace"))
+    return Command(f"edit {name}", ["edit", "run", *options], outputs, once=name in ("move", "duplicate", "replace", "recolor"))
 
 
 SMALL = ["--size", "160x120", "--views", "8", "--test-views", "2"]
@@ -111,7 +111,7 @@ def digest(path):
     files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file()) if path.exists() else []
     for file in files:
         name = str(file.relative_to(path)) if file != path else ""
-        if any(part in NOT_COMPARED for part in file.parts[len(path.parts):]) or file.suffix == ".csv":
+        if any(part in NOT_COMPARED for part in file.parts[len(path.parts):]) or file.suffix == ".csv" or ".tmp-" in file.name:
             continue
         data = file.read_bytes()
         if file.suffix == ".json":
