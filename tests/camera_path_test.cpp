@@ -1,9 +1,11 @@
 // `aligngs render --path` and `--view` as a user meets them, on a run trained for a moment.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "cli/stages/video_writer.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
@@ -85,6 +87,20 @@ TEST_F(CameraPathCommand, ToursGiveAVideoOrWithoutFfmpegItsPictures) {
   EXPECT_THAT(bare.err, HasSubstr("ffmpeg is not installed"));
   EXPECT_EQ(files(root() / "out" / "walk"), 5u);
   EXPECT_FALSE(fs::exists(root() / "out" / "walk.mp4"));
+}
+
+/// A video that cannot be written whole, here for a limit of file sizes, as on a full disk. Without -xerror ffmpeg ends
+/// with status 0 then.
+TEST_F(CameraPathCommand, AVideoThatIsCutIsAnError) {
+  if (!can_write_video()) GTEST_SKIP() << "needs the program ffmpeg";
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{1024, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const ProcessResult cut = render("--path orbit --seconds 2 --fps 8 -q -o " + quoted(root() / "out" / "cut.mp4"));
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_NE(cut.status, 0);
+  EXPECT_EQ(files(root() / "out"), 0u) << cut.err;
 }
 
 TEST_F(CameraPathCommand, OnePictureOfAWayOrOfAPhoto) {

@@ -131,6 +131,17 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
     }
   }
   EXPECT_EQ(aligngs("edit " + quoted(run) + " --select wall --delete -o " + quoted(run / "edited")).status, 2);
+  const std::string photo = quoted(root_ / "made" / "images" / "view_000.png"), small = " --size 32x32";
+  for (const std::string& options : {"render " + quoted(run) + " --view view_000 -o " + photo + small,
+                                     "render " + quoted(run) + " --path orbit --seconds 0.1 -o " + photo + small,
+                                     "mesh " + quoted(run) + " --pictures " + quoted(root_ / "made" / "images"),
+                                     "mesh " + quoted(run) + " --pictures " + quoted(data() / "images"),
+                                     "export " + quoted(run) + " -f ply -o " + quoted(run / "mesh" / "mesh.ply"),
+                                     "compare " + quoted(run) + " --html " + quoted(root_ / "made" / "page.html")}) {
+    const ProcessResult result = aligngs(options);
+    EXPECT_EQ(result.status, 2) << options << result.err;
+  }
+  EXPECT_TRUE(contents(data()) == before_);
   EXPECT_TRUE(contents(run) == trained);
   EXPECT_TRUE(contents(root_ / "made") == made);
   const ProcessResult result = aligngs("export " + quoted(run) + " -f ply");

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <fmt/format.h>
+
 #include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -67,6 +69,14 @@ TEST_F(RoomCommand, AGivenLengthSetsTheScaleAndStays) {
 TEST_F(RoomCommand, TheScaleFromTwoPoints) {
   ASSERT_EQ(on_run("scale", "--between 0,1,2 1,1,2 3").status, 0);
   EXPECT_NEAR(read_room(run_ / "room.json").to_room.scale, 3, 1e-9);
+  // The second call finds its work done, and the file stays to the last digit.
+  for (const double metres : {3.0, 0.9 / 0.7}) {
+    const std::string command = fmt::format("--between 0,1,2 1,1,2 {:.17g}", metres);
+    ASSERT_EQ(on_run("scale", command).status, 0);
+    const std::string once = read_file(run_ / "room.json");
+    ASSERT_EQ(on_run("scale", command).status, 0);
+    EXPECT_EQ(read_file(run_ / "room.json"), once) << metres;
+  }
 }
 
 TEST_F(RoomCommand, WrongScalesAreErrorsAndChangeNothing) {

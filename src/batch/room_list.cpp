@@ -6,6 +6,7 @@
 #include "batch/option_words.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/text_encoding.h"
 
 namespace aligngs {
 namespace {
@@ -17,8 +18,8 @@ constexpr size_t kLongestName = 100;  // characters: with the suffixes of leases
 const char* const kLineForm = "a line is: room <TAB> source <TAB> options";
 
 /// The batch decides about these.
-constexpr std::array<const char*, 9> kOwnOptions = {"--output", "--resume", "--overwrite", "--view",   "--view-port",
-                                                    "--json",   "--quiet",  "--help",      "--version"};
+constexpr std::array<const char*, 10> kOwnOptions = {"--dry-run",   "--output", "--resume", "--overwrite", "--view",
+                                                     "--view-port", "--json",   "--quiet",  "--help",      "--version"};
 constexpr const char* kOwnLetters = "oqh";  // their short forms
 
 bool is_own(const std::string& word) {
@@ -105,7 +106,8 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
 }
 
 std::vector<RoomEntry> read_room_list(const fs::path& path) {
-  const std::string text = read_file(path, kLargestList);
+  const std::string content = read_file(path, kLargestList);
+  const std::string_view text = text_of_file(content, path);
   return path.extension() == ".toml" ? parse_room_toml(text, path) : parse_room_table(text, path);
 }
 

@@ -80,7 +80,8 @@ TEST(RoomList, FaultsOfATableNameTheirLine) {
 }
 
 TEST(RoomList, OptionsOfTheBatchAreRefused) {
-  for (const char* option : {"-o out", "-oout", "--output=x", "--resume", "--overwrite", "--json", "-q", "--view"}) {
+  for (const char* option :
+       {"-o out", "-oout", "--output=x", "--resume", "--overwrite", "--json", "-q", "--view", "--dry-run"}) {
     EXPECT_THAT(table_fault(std::string("a\tx\t") + option + "\n"), HasSubstr("may not have the option")) << option;
   }
 }

@@ -1,6 +1,7 @@
 // `aligngs mesh RUN`: the surface of a run.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
@@ -8,10 +9,29 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/stages/mesh_stage.h"
+#include "core/error.h"
 #include "io/output_place.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The run's own mesh and pictures may be made again. Elsewhere no file of the run, of its scene or of a folder that
+/// holds something is replaced: pictures bear the names of photos.
+void require_mesh_places(const fs::path& run, const fs::path& mesh, const fs::path& pictures, const fs::path& scene) {
+  const RunFolder folder(run);
+  if (!mesh.empty() && !lies_within(mesh, run / "mesh")) folder.require_not_of_run(mesh, scene);
+  if (pictures.empty() || lies_within(pictures, run / "renders")) return;
+  folder.require_not_of_run(pictures, scene);
+  std::error_code error;
+  if (!fs::exists(pictures, error) || (fs::is_directory(pictures, error) && fs::is_empty(pictures, error))) return;
+  throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", pictures, "--pictures",
+               "name a new or empty folder"});
+}
+
+}  // namespace
 
 void add_mesh_command(CLI::App& program, CommandContext& context) {
   CLI::App* command =
@@ -45,7 +65,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
     if (!options->output.empty()) require_extension(options->output, "ply");
     LoadedRun run = load_run(
         options->run, {options->scene, context.global.threads, engine_of_device(options->device), options->sets});
-    if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, run.scene().folder);
+    require_mesh_places(options->run, options->output, options->pictures, run.scene().folder);
     MeshStageOptions stage;
     stage.source = options->from_prior   ? DepthSource::kPrior
                    : options->from_truth ? DepthSource::kTruth

@@ -12,6 +12,7 @@
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/shell_word.h"
+#include "priors/given_poses.h"
 
 namespace aligngs {
 namespace {
@@ -19,6 +20,11 @@ namespace {
 /// Without its weights a network cannot run: the method without one is worth a line.
 [[noreturn]] void offer_colmap(const Error& error, const std::string& photos, const std::string& scene) {
   Error::Details details = error.details();
+  if (has_given_cameras(photos)) {
+    details.remedy +=
+        fmt::format("\n  or use the cameras that lie beside the photos: aligngs poses {} -o {} --method given",
+                    quote_word(photos), quote_word(scene));
+  }
   details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap",
                                 quote_word(photos), quote_word(scene));
   throw Error(details);

@@ -93,8 +93,11 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
       throw_usage("nothing says what the scale is",
                   "give --object NAME --height METRES, or --between A B METRES, or --reset");
     }
-    write_room(file, room);
     const double factor = room.to_room.scale / before.to_room.scale;
+    constexpr double kRounding = 1e-9;  // the same scale again leaves the file, whose last digits rounding would change
+    const bool changes =
+        std::fabs(factor - 1) > kRounding || room.scale_source != before.scale_source || room.metric != before.metric;
+    if (changes) write_room(file, room);
     if (context.global.json) {
       const nlohmann::json document = {{"factor", factor},
                                        {"units_per_scene_unit", room.to_room.scale},

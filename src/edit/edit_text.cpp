@@ -202,6 +202,10 @@ EditOperation parse_edit(std::string_view given) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
   trim(text);
+  while (!text.empty() && (text.back() == '.' || text.back() == '!')) text.pop_back();
+  constexpr std::string_view kPlease = "please ";
+  if (lower(text).rfind(kPlease, 0) == 0) text.erase(0, kPlease.size());
+  trim(text);
   const size_t verb_end = std::min(text.find(' '), text.size());
   std::string verb = lower(text.substr(0, verb_end));
   if (verb.rfind("--", 0) == 0) verb.erase(0, 2);

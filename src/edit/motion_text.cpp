@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <regex>
@@ -27,9 +28,27 @@ struct Direction {
   std::string_view word;
   Vec3d axis;
 };
-constexpr Direction kDirections[] = {{"right", {1, 0, 0}}, {"left", {-1, 0, 0}},  {"up", {0, 1, 0}},
-                                     {"down", {0, -1, 0}}, {"closer", {0, 0, 1}}, {"forward", {0, 0, 1}},
-                                     {"back", {0, 0, -1}}, {"away", {0, 0, -1}}};
+constexpr Direction kDirections[] = {{"right", {1, 0, 0}},   {"left", {-1, 0, 0}},      {"upwards", {0, 1, 0}},
+                                     {"up", {0, 1, 0}},      {"downwards", {0, -1, 0}}, {"down", {0, -1, 0}},
+                                     {"closer", {0, 0, 1}},  {"towards me", {0, 0, 1}}, {"forwards", {0, 0, 1}},
+                                     {"forward", {0, 0, 1}}, {"backwards", {0, 0, -1}}, {"back", {0, 0, -1}},
+                                     {"away", {0, 0, -1}}};
+
+struct Unit {
+  std::string_view word;
+  double metres;
+};
+constexpr Unit kUnits[] = {{"m", 1},       {"metre", 1},          {"meter", 1},
+                           {"cm", 0.01},   {"centimetre", 0.01},  {"centimeter", 0.01},
+                           {"mm", 0.001},  {"millimetre", 0.001}, {"millimeter", 0.001},
+                           {"in", 0.0254}, {"inch", 0.0254},      {"inche", 0.0254},
+                           {"ft", 0.3048}, {"foot", 0.3048},      {"feet", 0.3048}};
+
+constexpr const char* kLength = R"(([-+]?[0-9]*[.,]?[0-9]+))";
+constexpr const char* kUnit =
+    R"((m|metres?|meters?|cm|centimetres?|centimeters?|mm|millimetres?|millimeters?|in|inch|inches|ft|foot|feet))";
+constexpr const char* kDirection =
+    R"((left|right|upwards|up|downwards|down|closer|towards +me|forwards|forward|backwards|back|away))";
 
 const std::regex& along_axes() {
   static const std::regex pattern(
@@ -37,22 +56,54 @@ const std::regex& along_axes() {
   return pattern;
 }
 
+/// "0.5 m to the left", "50cm up": what comes before, length, unit, direction.
 const std::regex& in_a_direction() {
   static const std::regex pattern(
-      R"(^(.*?\S)( +by)? +([.0-9]+) *(m|metres?|meters?)?( +to +the)? +(left|right|up|down|closer|forward|back|away)$)",
-      std::regex::icase);
+      fmt::format("^(.*?\\S)(?: +by)? +{} *{}?(?: +to +the)? +{}$", kLength, kUnit, kDirection), std::regex::icase);
+  return pattern;
+}
+
+/// "to the left by 0.5 m", "up 20 cm": what comes before, direction, length, unit.
+const std::regex& direction_first() {
+  static const std::regex pattern(
+      fmt::format("^(.*?\\S)(?: +to +the)? +{}(?: +by)? +{} *{}?$", kDirection, kLength, kUnit), std::regex::icase);
+  return pattern;
+}
+
+/// "50cm" at the end, without a direction.
+const std::regex& a_length_alone() {
+  static const std::regex pattern(fmt::format("^.*\\S +{} *{}$", kLength, kUnit), std::regex::icase);
   return pattern;
 }
 
 const std::regex& by_degrees() {
-  static const std::regex pattern(R"(^(.*?\S)( +by)? +([-+.0-9]+)( +degrees?)?( +(counter-?clockwise|clockwise))?$)",
-                                  std::regex::icase);
+  static const std::regex pattern(
+      "^(.*?\\S)( +by)? +([-+.0-9]+)( *degrees?| *deg| *\xc2\xb0)?( +(counter-?clockwise|clockwise))?$",
+      std::regex::icase);
   return pattern;
 }
 
 std::string lower(std::string text) {
   for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return text;
+}
+
+/// Words of `length`, `unit` (may be empty) and `direction` as a shift.
+Vec3d shift_along(std::string length, std::string unit, std::string direction) {
+  std::replace(length.begin(), length.end(), ',', '.');
+  if (length.front() == '+') length.erase(0, 1);
+  unit = lower(unit);
+  if (unit.size() > 2 && unit.back() == 's') unit.pop_back();
+  double metres = 1;
+  for (const Unit& known : kUnits) metres = known.word == unit ? known.metres : metres;
+  const auto value = number_of(length, kLongestShift / metres);
+  if (!value)
+    throw_usage("\"" + length + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
+  direction = std::regex_replace(lower(direction), std::regex(" +"), " ");
+  for (const Direction& known : kDirections) {
+    if (direction == known.word) return known.axis * (*value * metres) + Vec3d{};  // without -0
+  }
+  return {};
 }
 
 }  // namespace
@@ -93,12 +144,14 @@ std::optional<ObjectMotion> take_motion(std::string& text) {
     text = std::string(match[1].str());
     return motion;
   }
-  if (!std::regex_match(text, match, in_a_direction())) return {};
-  const auto length = number_of(match[3].str(), kLongestShift);
-  if (!length)
-    throw_usage("\"" + match[3].str() + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
-  for (const Direction& d : kDirections) {
-    if (lower(match[6].str()) == d.word) motion.shift = d.axis * *length;
+  if (std::regex_match(text, match, in_a_direction())) {
+    motion.shift = shift_along(match[2].str(), match[3].str(), match[4].str());
+  } else if (std::regex_match(text, match, direction_first())) {
+    motion.shift = shift_along(match[3].str(), match[4].str(), match[2].str());
+  } else if (std::regex_match(text, a_length_alone())) {
+    throw_usage("the motion has a length and no direction", "for example \"move chair 0.5 m to the left\"");
+  } else {
+    return {};
   }
   text = std::string(match[1].str());
   return motion;

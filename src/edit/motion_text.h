@@ -14,8 +14,9 @@ Vec3d parse_shift(std::string_view text);
 /// "90": degrees, -360 to 360. Error{kUsage} for anything else.
 double parse_turn(std::string_view text);
 
-/// Takes a motion off the end of `text`: "by X,Y,Z", "by X,Y,Z and turn by DEGREES", or a length and a direction. An
-/// example is "0.5 m to the left". Nothing where the text ends otherwise; Error{kUsage} for numbers out of range.
+/// Takes a motion off the end of `text`: "by X,Y,Z", "by X,Y,Z and turn by DEGREES", or a length and a direction in
+/// either order. Examples are "0.5 m to the left", "50cm up", "left by 2 feet". Nothing where the text ends otherwise;
+/// Error{kUsage} for numbers out of range, and for a length without a direction.
 std::optional<ObjectMotion> take_motion(std::string& text);
 /// The same for "by 90", "90 degrees", "45 degrees clockwise".
 std::optional<double> take_turn(std::string& text);

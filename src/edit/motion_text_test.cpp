@@ -24,6 +24,26 @@ TEST(MotionText, ALengthAndADirection) {
   EXPECT_EQ(taken("the largest rug 1 metre away").second, " by 0,0,-1");
 }
 
+TEST(MotionText, LengthsHaveTheUnitsOfPeople) {
+  for (const auto& [text, motion] :
+       std::vector<std::pair<const char*, const char*>>{{"bed 50cm to the left", " by -0.5,0,0"},
+                                                        {"bed 50 centimetres up", " by 0,0.5,0"},
+                                                        {"bed by 1,5 m to the right", " by 1.5,0,0"},
+                                                        {"bed -50 cm to the left", " by 0.5,0,0"},
+                                                        {"bed 10 inches down", " by 0,-0.254,0"},
+                                                        {"bed 2 feet towards me", " by 0,0,0.6096"},
+                                                        {"bed up 20 cm", " by 0,0.2,0"},
+                                                        {"bed to the left by 0.5", " by -0.5,0,0"},
+                                                        {"bed backwards 500 mm", " by 0,0,-0.5"},
+                                                        {"bed 2 upwards", " by 0,2,0"}}) {
+    EXPECT_EQ(taken(text), std::pair(std::string("bed"), std::string(motion))) << text;
+  }
+  for (const char* text : {"bed 50cm", "bed by 2 m", "bed 2000 m to the left"}) {
+    std::string taken_from = text;
+    EXPECT_THROW(take_motion(taken_from), Error) << text;
+  }
+}
+
 TEST(MotionText, OtherTextsHaveNone) {
   for (const char* text : {"sofa", "sofa by", "sofa by 1,2", "sofa left", "by 1,2,3"})
     EXPECT_EQ(taken(text).second, "none") << text;
@@ -39,6 +59,8 @@ TEST(MotionText, ATurnIsCounterClockwise) {
   std::string text = "armchair by 45 degrees";
   EXPECT_EQ(take_turn(text), 45.0);
   EXPECT_EQ(text, "armchair");
+  text = "armchair 30\xc2\xb0";
+  EXPECT_EQ(take_turn(text), 30.0);
   text = "armchair 30 clockwise";
   EXPECT_EQ(take_turn(text), -30.0);
 }

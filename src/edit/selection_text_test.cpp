@@ -57,6 +57,7 @@ TEST(SelectionText, ARangeIsManyNumbers) {
 
 TEST(SelectionText, OneObjectByItsLook) {
   EXPECT_EQ(canonical("the largest chair"), "largest chair");
+  EXPECT_EQ(canonical("the pillow on the left, chair on the RIGHT"), "right chair, left pillow");
   EXPECT_EQ(canonical("Leftmost pillow and the biggest rug"), "largest rug, left pillow");
   EXPECT_THAT(refusal("the largest chair#2"), HasSubstr("object number"));
 }

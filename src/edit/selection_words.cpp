@@ -21,6 +21,9 @@ constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
     {"highest", ObjectChoice::kHighest},   {"topmost", ObjectChoice::kHighest}, {"upper", ObjectChoice::kHighest},
     {"uppermost", ObjectChoice::kHighest}, {"lowest", ObjectChoice::kLowest},   {"lower", ObjectChoice::kLowest}};
 
+constexpr std::pair<std::string_view, ObjectChoice> kPlaces[] = {{" on the left", ObjectChoice::kLeft},
+                                                                 {" on the right", ObjectChoice::kRight}};
+
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 std::string lower(std::string_view text) {
@@ -84,6 +87,11 @@ std::string_view without_quantifier(std::string_view item) {
 ObjectChoice take_choice(std::string_view& item) {
   std::string_view rest = trimmed(item);
   take_phrase(rest, "the");
+  for (const auto& [ending, choice] : kPlaces) {
+    if (rest.size() <= ending.size() || lower(rest.substr(rest.size() - ending.size())) != ending) continue;
+    item = trimmed(rest.substr(0, rest.size() - ending.size()));
+    return choice;
+  }
   for (const auto& [word, choice] : kChoices) {
     if (!take_phrase(rest, word)) continue;
     item = rest;

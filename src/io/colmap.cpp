@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
-  constexpr uint64_t kLeastBytes = 4 + 4 + 8 + 8 + 3 * 8;  // id, model, size, three parameters
+  constexpr uint64_t kLeastBytes = 4 + 4 + 8 + 8 + 2 * 8;  // id, model, size, the two parameters of a panorama
   const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of cameras");
   std::vector<ColmapCamera> cameras(count);
   for (ColmapCamera& camera : cameras) {
@@ -114,17 +114,35 @@ fs::path require_file(const fs::path& folder, const std::string& stem) {
 
 bool is_model_folder(const fs::path& folder) { return find_file(folder, "cameras") && find_file(folder, "images"); }
 
-/// A cheap look at how many images a model has: the binary count, or the image lines of the text.
+/// A cheap look at how many images a file has: the binary count, or the image lines of the text.
+uint64_t images_in(const fs::path& file) {
+  if (file.extension() != ".bin") return parse_colmap_images_text(read_file(file), file).size();
+  require_no_waiting(file);
+  char bytes[8];
+  std::ifstream stream(file, std::ios::binary);
+  return stream.read(bytes, 8) ? load_number<uint64_t>(bytes, false) : 0;
+}
+
 uint64_t count_images(const fs::path& folder) {
   const auto path = find_file(folder, "images");
-  if (!path) return 0;
-  if (path->extension() == ".bin") {
-    require_no_waiting(*path);
-    char bytes[8];
-    std::ifstream file(*path, std::ios::binary);
-    return file.read(bytes, 8) ? load_number<uint64_t>(bytes, false) : 0;
+  return path ? images_in(*path) : 0;
+}
+
+/// A sentence where a model is there as binary and as text, and the two differ; else empty.
+std::string choice_of_kind(const fs::path& folder) {
+  const fs::path binary = folder / "images.bin", text = folder / "images.txt";
+  if (!fs::is_regular_file(binary) || !fs::is_regular_file(text)) return "";
+  const uint64_t used = images_in(binary);
+  uint64_t other = 0;
+  try {
+    other = images_in(text);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return "";  // no model, and not used
   }
-  return parse_colmap_images_text(read_file(*path), *path).size();
+  if (used == other) return "";
+  return binary.string() + " is used, with " + std::to_string(used) + " images; images.txt beside it has " +
+         std::to_string(other);
 }
 
 /// The numbered models (0, 1, ...) of a mapper's output folder.
@@ -237,13 +255,14 @@ std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_fold
 std::string choice_of_model(const fs::path& scene_folder) {
   for (const fs::path& folder : places_of_models(scene_folder)) {
     const auto best = best_numbered_model(folder);
+    if (!best && is_model_folder(folder)) return choice_of_kind(folder);
     if (!best) continue;
     std::string others;
     for (const auto& [number, path] : numbered_models(folder)) {
       if (path != *best)
         others += (others.empty() ? "" : ", ") + std::to_string(number) + " has " + std::to_string(count_images(path));
     }
-    if (others.empty()) return "";
+    if (others.empty()) return choice_of_kind(*best);
     return "model " + best->filename().string() + " of " + folder.string() + " is used, with " +
            std::to_string(count_images(*best)) + " images (" + others + "); models of one mapper run share no world";
   }

@@ -126,6 +126,27 @@ TEST(Colmap, BinaryIsPreferredFileByFile) {
   EXPECT_EQ(read_colmap_model(folder).images.size(), 2u);
 }
 
+TEST(Colmap, TwoKindsOfOneModelThatDifferAreTold) {
+  const fs::path folder = text_model("two_kinds", kCamerasText, kImagesText);
+  EXPECT_EQ(choice_of_model(folder), "");
+  ColmapModel one_image = small_model();
+  one_image.images.pop_back();
+  write_colmap_binary(folder, one_image);
+  EXPECT_THAT(choice_of_model(folder), HasSubstr("images.bin is used, with 1 images; images.txt beside it has"));
+  write_file_atomically(folder / "images.txt", "notes\n");
+  EXPECT_EQ(choice_of_model(folder), "");
+}
+
+TEST(Colmap, OnePanoramaIsNoDamagedFile) {
+  std::string cameras;
+  append_little(cameras, uint64_t(1));
+  append_little(cameras, uint32_t(1));
+  append_little(cameras, int32_t(17));
+  for (const uint64_t side : {96, 72}) append_little(cameras, side);
+  for (const double side : {96, 72}) append_little(cameras, side);
+  EXPECT_EQ(decode_colmap_binary(cameras, std::string(8, '\0'), "", "").cameras.at(0).model, "EQUIRECTANGULAR");
+}
+
 TEST(Colmap, PointsMayBeAbsent) {
   const fs::path folder = fresh_folder("no_points");
   write_colmap_binary(folder, small_model());

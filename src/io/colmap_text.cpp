@@ -14,8 +14,7 @@ namespace {
 /// The lines of a file with their numbers; a line is read word by word.
 class LineReader {
  public:
-  LineReader(std::string_view text, const std::filesystem::path& name)
-      : rest_(without_byte_order_mark(text)), name_(name) {}
+  LineReader(std::string_view text, const std::filesystem::path& name) : rest_(text_of_file(text, name)), name_(name) {}
 
   /// The next line, whatever it holds; false at the end of the file.
   bool next() {

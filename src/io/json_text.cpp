@@ -12,7 +12,7 @@ std::string text_of(const Json& value, int indentation) {
   return value.dump(indentation, ' ', false, Json::error_handler_t::replace);
 }
 
-/// The text with null for Python's words of numbers that are not finite; strings keep them.
+/// The text with Python's words of numbers that are not finite in quotes; strings keep them.
 std::string without_python_words(std::string_view text) {
   std::string out;
   bool in_string = false;
@@ -30,7 +30,11 @@ std::string without_python_words(std::string_view text) {
     bool replaced = false;
     for (const std::string_view word : {"NaN", "Infinity", "-Infinity"}) {
       if (text.substr(i, word.size()) != word) continue;
-      out += "null";
+      const size_t next = text.find_first_not_of(" \t\r\n", i + word.size());
+      if (next != text.npos && text[next] == ':') break;  // a key without quotes, which is no JSON
+      out += '"';
+      out += word;
+      out += '"';
       i += word.size() - 1;
       replaced = true;
       break;

@@ -17,9 +17,8 @@ std::string json_line(const nlohmann::ordered_json& value);
 std::string json_document(const nlohmann::json& value);
 std::string json_document(const nlohmann::ordered_json& value);
 
-/// The value of a text; `is_discarded()` where the text is no JSON. NaN, Infinity and -Infinity, which Python writes
-/// although JSON has no
-/// such words, are null.
+/// The value of a text; `is_discarded()` where the text is no JSON. Python writes NaN, Infinity and -Infinity, although
+/// JSON has no such words. They become texts. A reader of numbers refuses these, and does not take them for absent.
 nlohmann::json parse_json(std::string_view text);
 nlohmann::ordered_json parse_ordered_json(std::string_view text);  // objects keep the order of their members
 

@@ -16,7 +16,24 @@ TEST(LeftOut, IsSummedUp) {
 }
 
 TEST(LeftOut, ManyAreCounted) {
-  EXPECT_THAT(summary_of(1, std::vector<LeftOut>(25, kTwo[0])), AllOf(HasSubstr("1 of 26"), HasSubstr("and 15 more")));
+  EXPECT_THAT(summary_of(1, std::vector<LeftOut>(25, kTwo[0])),
+              AllOf(HasSubstr("1 of 26"), HasSubstr("and 22 more (the photo is missing)")));
+}
+
+TEST(LeftOut, OneFaultOfAllIsToldOnce) {
+  std::vector<LeftOut> frames;
+  for (const char* name : {"a", "b", "c", "d"}) {
+    use_or_leave_out(name, frames, [&] {
+      throw_bad_input(std::string("photos/") + name + ".jpg", "camera 1", "a panorama is no pinhole view", "cut it");
+    });
+  }
+  EXPECT_EQ(summary_of(0, frames), "0 of 4 frames; left out: all (camera 1: a panorama is no pinhole view)");
+  EXPECT_EQ(summary_of(3, frames),
+            "3 of 7 frames; left out: a, b, c and 1 more (camera 1: a panorama is no pinhole view)");
+  frames.push_back(kTwo[0]);
+  EXPECT_EQ(summary_of(0, frames),
+            "0 of 5 frames; left out: a, b, c and 1 more (camera 1: a panorama is no pinhole view), a (the photo is "
+            "missing)");
 }
 
 TEST(LeftOut, BadInputOfOneFrameLeavesItOut) {

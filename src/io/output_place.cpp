@@ -68,9 +68,16 @@ void require_file_place(const fs::path& file) {
     refuse("this is a device or a pipe, which a file would replace");
 }
 
-void require_extension(const fs::path& file, const std::string& extension) {
+void require_extension(const fs::path& file, const std::string& format) {
+  const std::string extension = lower_case(format);
   const std::string has = lower_case(file.extension().string());
   const std::string wanted = "." + extension.substr(extension.rfind('.') + 1);
+  for (const char* longer : {"labels.ply", "collision.glb"}) {  // a name that says more than its extension
+    const std::string ending = std::string(".") + longer;
+    if (extension == longer || !lower_case(file.filename().string()).ends_with(ending)) continue;
+    throw Error({ErrorKind::kUsage, std::string("the name says ") + longer + ", but " + extension + " would be written",
+                 file, "output", "choose another name, or ask for -f " + std::string(longer)});
+  }
   if (has == wanted || (wanted == ".html" && has == ".htm")) return;
   if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), has) == kKnownExtensions.end()) return;
   throw Error({ErrorKind::kUsage, "the name says " + has.substr(1) + ", but " + wanted.substr(1) + " would be written",

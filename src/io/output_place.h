@@ -25,8 +25,9 @@ void require_apart(const std::filesystem::path& output, const std::vector<std::f
 /// device, a pipe or a socket of that name (/dev/null). "-" and an empty name are no files either.
 void require_file_place(const std::filesystem::path& file);
 
-/// Error{kUsage} when the name of `file` promises another format than `extension` ("glb", "labels.ply"), whatever its
-/// case. A name that ends in a known extension must end in this one. A name without such an ending promises nothing.
-void require_extension(const std::filesystem::path& file, const std::string& extension);
+/// Error{kUsage} when the name of `file` promises another format than `format` ("glb", "labels.ply"), whatever its
+/// case. A name that ends in a known extension must end in this one, and one that ends in ".labels.ply" is for
+/// labels. A name without such an ending promises nothing.
+void require_extension(const std::filesystem::path& file, const std::string& format);
 
 }  // namespace aligngs

@@ -96,14 +96,21 @@ TEST(OutputExtension, ANameThatPromisesAnotherFormatIsAUsageError) {
                                           {"a.GLB", "glb"},
                                           {"a.labels.ply", "labels.ply"},
                                           {"a.ply", "labels.ply"},
+                                          {"a.labels.ply", "LABELS.PLY"},
+                                          {"a.collision.glb", "collision.glb"},
                                           {"a", "spz"},
                                           {"room.v2", "obj"},
                                           {"page.htm", "html"},
                                           {"folder.obj/a", "spz"}}) {
     EXPECT_NO_THROW(require_extension(file, format)) << file;
   }
-  for (const auto& [file, format] :
-       Names{{"a.spz", "glb"}, {"a.gltf", "glb"}, {"a.OBJ", "ply"}, {"a.ply", "splat"}, {"a.html", "sog"}}) {
+  for (const auto& [file, format] : Names{{"a.spz", "glb"},
+                                          {"a.gltf", "glb"},
+                                          {"a.OBJ", "ply"},
+                                          {"a.ply", "splat"},
+                                          {"a.html", "sog"},
+                                          {"a.labels.ply", "ply"},
+                                          {"a.Collision.glb", "glb"}}) {
     try {
       require_extension(file, format);
       ADD_FAILURE() << file;

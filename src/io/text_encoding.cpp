@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/error.h"
+
 namespace aligngs {
 namespace {
 
@@ -97,6 +99,13 @@ std::string_view without_byte_order_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xef\xbb\xbf";
   if (text.substr(0, kMark.size()) == kMark) text.remove_prefix(kMark.size());
   return text;
+}
+
+std::string_view text_of_file(std::string_view content, const std::filesystem::path& file) {
+  for (const std::string_view mark : {"\xff\xfe", "\xfe\xff"}) {
+    if (content.substr(0, mark.size()) == mark) throw_bad_input(file, "", "this text is in UTF-16", "save it as UTF-8");
+  }
+  return without_byte_order_mark(content);
 }
 
 }  // namespace aligngs

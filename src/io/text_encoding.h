@@ -1,6 +1,7 @@
 // Names of files in the two encodings that other people's archives hold.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -18,5 +19,7 @@ std::u32string characters_of_utf8(std::string_view text);
 std::string utf8_of_characters(std::u32string_view characters);
 /// Without the byte order mark that Windows programs put before UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);
+/// The same for the content of a file; Error{kBadInput} where its mark is that of UTF-16.
+std::string_view text_of_file(std::string_view content, const std::filesystem::path& file);
 
 }  // namespace aligngs

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
+
 namespace aligngs {
 namespace {
 
@@ -37,6 +39,18 @@ TEST(TextEncoding, LatinOneGoesThereAndBack) {
 TEST(TextEncoding, AByteOrderMarkIsTakenOff) {
   EXPECT_EQ(without_byte_order_mark("\xef\xbb\xbf# Camera list"), "# Camera list");
   EXPECT_EQ(without_byte_order_mark("1 PINHOLE"), "1 PINHOLE");
+}
+
+TEST(TextEncoding, Utf16IsNamed) {
+  EXPECT_EQ(text_of_file("\xef\xbb\xbfname\tsource", "rooms.tsv"), "name\tsource");
+  for (const char* start : {"\xff\xfe#", "\xfe\xff#"}) {
+    try {
+      text_of_file(start, "cameras.txt");
+      FAIL() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.details().message, "this text is in UTF-16");
+    }
+  }
 }
 
 }  // namespace

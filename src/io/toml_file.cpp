@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/text_encoding.h"
 
 namespace aligngs {
 namespace {
@@ -147,7 +148,9 @@ TomlTable parse_toml(std::string_view text, const std::filesystem::path& name_fo
   return Flattener(name_for_errors).flatten(table);
 }
 
-TomlTable read_toml(const std::filesystem::path& path) { return parse_toml(read_file(path, kMaxFileBytes), path); }
+TomlTable read_toml(const std::filesystem::path& path) {
+  return parse_toml(text_of_file(read_file(path, kMaxFileBytes), path), path);
+}
 
 TomlValue parse_toml_value(std::string_view text, const std::string& field_for_errors) {
   if (text.find('\n') != std::string_view::npos) throw_bad_input({}, field_for_errors, "a value of several lines");

@@ -11,6 +11,7 @@
 #include "pipeline/room_memory.h"
 #include "pipeline/run_source.h"
 #include "pipeline/step_forecast.h"
+#include "priors/given_poses.h"
 #include "priors/scene_priors.h"
 #include "priors/teacher_list.h"
 #include "priors/video_frames.h"
@@ -47,9 +48,12 @@ RunMode mode_of_request(const TrainOptions& train) {
 /// Photos have a way without networks, which is worth a line.
 [[noreturn]] void throw_with_way_without_networks(const Error& error, const RunRequest& request) {
   Error::Details details = error.details();
+  const std::string run =
+      fmt::format("aligngs run {} -o {}", quote_word(request.source.string()), quote_word(request.train.run.string()));
+  if (has_given_cameras(request.source))
+    details.remedy += "\n  or use the cameras that lie beside the photos: " + run + " --method given";
   details.remedy +=
-      fmt::format("\n  or go without networks (no class labels): aligngs run {} -o {} --method colmap --semantics none",
-                  quote_word(request.source.string()), quote_word(request.train.run.string()));
+      fmt::format("\n  or go without networks (no class labels): {} --method colmap --semantics none", run);
   throw Error(details);
 }
 

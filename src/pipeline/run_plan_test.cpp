@@ -156,6 +156,9 @@ TEST_F(RunPlanTest, PhotosWithoutANetworkAreAnErrorThatNamesTheOtherWay) {
   const Error without = error();
   EXPECT_EQ(without.kind(), ErrorKind::kWeights);
   EXPECT_THAT(without.details().remedy, HasSubstr("--method colmap --semantics none"));
+  EXPECT_THAT(without.details().remedy, testing::Not(HasSubstr("--method given")));
+  fs::create_directories(request_.source.parent_path() / "sparse");
+  EXPECT_THAT(error().details().remedy, HasSubstr("cameras that lie beside the photos"));
 }
 
 TEST_F(RunPlanTest, PhotosTakeTheBestInstalledNetwork) {

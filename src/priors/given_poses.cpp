@@ -46,6 +46,14 @@ fs::path find_given_cameras(const fs::path& photos, const fs::path& given) {
                   "put sparse/ (COLMAP) or transforms.json beside the photos, or say where with --cameras");
 }
 
+bool has_given_cameras(const fs::path& photos) {
+  try {
+    return !find_given_cameras(photos, {}).empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 GivenPoses read_given_poses(const fs::path& cameras, const fs::path& photos, const std::vector<Photo>& listed) {
   GivenPoses poses;
   poses.capture = read_cameras(cameras, photos);

@@ -13,6 +13,9 @@ namespace aligngs {
 /// folder of the photos, then the one above it. Error{kBadInput} naming the places when there are none.
 std::filesystem::path find_given_cameras(const std::filesystem::path& photos, const std::filesystem::path& given);
 
+/// Whether find_given_cameras(photos, "") finds some.
+bool has_given_cameras(const std::filesystem::path& photos);
+
 struct GivenPoses {
   /// a frame per photo with a camera; cameras without a photo are only counted, in its notes
   Capture capture;

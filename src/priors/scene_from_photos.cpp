@@ -167,7 +167,7 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const
   import_photos(poses.capture, source, scene, options, true, pool, report);
   if (report.points == 0) {
     log_warning(
-        "there are no points, which training starts from: a COLMAP model with points3D, or ply_file_path in "
+        "there are no points: training starts from random ones; a COLMAP model with points3D, or ply_file_path in "
         "transforms.json, brings them");
   }
 }

@@ -7,6 +7,7 @@
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
 #include "scene/photo_mask.h"
+#include "scene/photo_places.h"
 
 namespace aligngs {
 
@@ -203,8 +204,8 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
 }
 
 PhotoLookup photos_of_data_set(const fs::path& folder) {
-  const fs::path images = folder / "images";
-  if (fs::is_directory(images)) return PhotoLookup(images, folder);
+  const fs::path images = images_folder(folder);
+  if (!images.empty()) return PhotoLookup(images, folder);
   std::vector<fs::path> subfolders;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {

@@ -89,6 +89,19 @@ void check_baselines(const Scene& scene, std::vector<SceneProblem>& problems) {
   }
 }
 
+/// A part of a larger photo may have its principal point outside. More often the camera is for another size.
+void check_principal_points(const Scene& scene, std::vector<SceneProblem>& problems) {
+  for (const int i : scene.train) {
+    const View& view = scene.views[i];
+    const Camera& c = view.camera;
+    if (c.cx > 0 && c.cy > 0 && c.cx < c.width && c.cy < c.height) continue;
+    problems.push_back({view.image, "camera",
+                        fmt::format("the principal point ({:.4g}, {:.4g}) lies outside of this photo of {} x {}", c.cx,
+                                    c.cy, c.width, c.height),
+                        "check that the camera is for photos of this size", false});
+  }
+}
+
 /// Positions are kept in float, whose steps grow with the distance from the origin.
 void check_place(const Scene& scene, std::vector<SceneProblem>& problems) {
   constexpr double kFar = 100;  // extents from the origin: float steps reach a hundred thousandth of the extent
@@ -159,12 +172,14 @@ std::vector<SceneProblem> check_geometry(const Scene& scene) {
   if (scene.cloud.size() >= kMinCloud) {
     check_overlap(scene, problems);
   } else {
-    problems.push_back({scene.folder / "sparse", "points3D",
-                        fmt::format("the cloud has only {} points to start from", scene.cloud.size()),
-                        "give the scene SfM points or prior depth", false});
+    const std::string what = scene.cloud.size() == 0
+                                 ? "there are no points to start from"
+                                 : fmt::format("the cloud has only {} points to start from", scene.cloud.size());
+    problems.push_back({scene.folder / "sparse", "points3D", what, "give the scene SfM points or prior depth", false});
   }
   check_baselines(scene, problems);
   check_place(scene, problems);
+  check_principal_points(scene, problems);
   return problems;
 }
 

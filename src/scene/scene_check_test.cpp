@@ -178,6 +178,18 @@ TEST(CheckGeometry, ASceneFarFromItsOriginIsAWarning) {
   EXPECT_TRUE(said);
 }
 
+TEST(CheckGeometry, ACameraOfAnotherSizeIsAWarning) {
+  Scene scene = open_scene(write_scene());
+  scene.views[static_cast<size_t>(scene.train[0])].camera.cx = 3.0 * kWidth;
+  const std::vector<SceneProblem> problems = check_geometry(scene);
+  const auto found = std::find_if(problems.begin(), problems.end(), [](const SceneProblem& p) {
+    return p.message.find("principal point") != std::string::npos;
+  });
+  ASSERT_NE(found, problems.end());
+  EXPECT_FALSE(found->fatal);
+  EXPECT_EQ(found->path, scene.views[static_cast<size_t>(scene.train[0])].image);
+}
+
 TEST(CheckGeometry, CamerasInOnePlaceAreAWarning) {
   Scene scene = open_scene(write_scene());
   for (View& view : scene.views) view.camera.world_to_camera.translation = {0, 0, 0};

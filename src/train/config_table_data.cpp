@@ -54,7 +54,7 @@ std::vector<ConfigKey> data_init_train_keys() {
 
       {"init.start", field<&C::init, &InitConfig::start>, 0, 0, value(StartSource::kAuto),
        "where Gaussians start: fused prior depth, sparse/points3D, random points; auto: depth when it is metric, else "
-       "cloud"},
+       "cloud, else random"},
       {"init.depth_opacity", field<&C::init, &InitConfig::depth_opacity>, 0.01, 0.99, value(0.5),
        "initial opacity of a start from prior depth"},
       {"init.depth_flat_ratio", field<&C::init, &InitConfig::depth_flat_ratio>, 0.01, 1, value(0.1),

@@ -16,13 +16,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Files that a run writes into its folder; scene/, a possible input, is not in the list.
-constexpr std::array<std::string_view, 23> kProducts = {
+constexpr std::array<std::string_view, 24> kProducts = {
     "run.json",  "config.toml",  "events.ndjson", "checkpoints",  "scene.ply",       "scene.labels.ply",
     "scene.glb", "classes.json", "cameras.json",  "sparse",       "transforms.json", "mesh",
     "renders",   "metrics.json", "report.html",   "overview.jpg", "edits.json",      "edits",
-    "log.txt",   "control",      "live",          "room.json",    "page.json"};
-// written by commands that are asked to
-constexpr std::array<std::string_view, 2> kReplaceable = {"scene.glb", "mesh"};
+    "log.txt",   "control",      "live",          "room.json",    "page.json",       "selections.json"};
+constexpr std::string_view kExport = "scene.glb";  // the product that is an export, too
 constexpr std::string_view kSceneFolder = "scene";
 constexpr std::string_view kTemporary = ".tmp-";  // io/atomic_file.h
 
@@ -70,11 +69,17 @@ void RunFolder::require_apart_from(const fs::path& source) const {
 }
 
 void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) const {
-  bool own = lies_within(file, folder_ / kSceneFolder) || (!scene.empty() && lies_within(file, scene));
-  for (const std::string_view product : kProducts) {
-    if (std::find(kReplaceable.begin(), kReplaceable.end(), product) != kReplaceable.end()) continue;
-    own = own || lies_within(file, folder_ / product);
+  std::vector<fs::path> owned = {folder_ / kSceneFolder};
+  if (!scene.empty()) owned.push_back(scene);
+  if (has_run()) {
+    const RunRecord run = read_run_record(record());
+    if (!run.scene.empty()) owned.push_back(scene_of_run(folder_, run));
   }
+  for (const std::string_view product : kProducts) {
+    if (product != kExport) owned.push_back(folder_ / product);
+  }
+  const bool own =
+      std::any_of(owned.begin(), owned.end(), [&](const fs::path& place) { return lies_within(file, place); });
   if (!own) return;
   throw Error({ErrorKind::kUsage, "this file belongs to the run or to its scene: it is never replaced", file, "output",
                "name another file"});

@@ -35,8 +35,8 @@ class RunFolder {
   /// Error{kUsage} when a run here would write into or over the scene or photos that it is made from. The folder is or
   /// lies in `source`, or `source` lies in a folder that a run writes. RUN/scene is no such place.
   void require_apart_from(const std::filesystem::path& source) const;
-  /// Error{kUsage} when writing `file` would replace something that the run's training or stages wrote, or lie in
-  /// RUN/scene or in `scene`, which may be empty. Files of `export` and `mesh` may be replaced.
+  /// Error{kUsage} where `file` is of the run's training or stages, or lies in its scene. The scene is RUN/scene, the
+  /// one of run.json, or `scene`, which may be empty. Files of `export` may be replaced.
   void require_not_of_run(const std::filesystem::path& file, const std::filesystem::path& scene = {}) const;
   /// check(), then creates the folder, removes a previous run (kOverwrite) and temporary files of killed writers.
   void prepare(RunMode mode) const;

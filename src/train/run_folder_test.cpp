@@ -98,14 +98,18 @@ TEST_F(RunFolderTest, WhatTheRunWroteIsNoPlaceForOtherFiles) {
   std::ofstream(run / "scene.glb") << "x";
   fs::create_directories(base_ / "scene");
   fs::create_directory_symlink(run, base_ / "link");
+  fs::create_directories(base_ / "photos");
+  RunRecord record = read_run_record(run / "run.json");
+  record.scene = "../photos";
+  write_run_record(run / "run.json", record);
   const auto free = [&](const fs::path& file) {
     return kind_of([&] { RunFolder(run).require_not_of_run(file, base_ / "scene"); }) != ErrorKind::kUsage;
   };
-  for (const fs::path& file :
-       {run / "scene.glb", run / "scene.edited.ply", run / "mesh" / "mesh.ply", base_ / "out.ply"})
+  for (const fs::path& file : {run / "scene.glb", run / "scene.edited.ply", base_ / "out.ply"})
     EXPECT_TRUE(free(file)) << file;
   for (const fs::path& file :
-       {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", run / "scene" / "images" / "a.png",
+       {run / "scene.ply", run / "run.json", run / "mesh" / "mesh.ply", run / "selections.json",
+        run / "checkpoints" / "new.ply", run / "scene" / "images" / "a.png", base_ / "photos" / "a.png",
         base_ / "scene" / "a.ply", base_ / "link" / "scene.ply", base_ / "scene" / ".." / "run" / "scene.ply"}) {
     EXPECT_FALSE(free(file)) << file;
   }

@@ -110,12 +110,19 @@ PointCloud random_cloud(const StartInputs& in, Random& random) {
   return cloud;
 }
 
+/// The start of "auto" where prior depth is none.
+StartSource start_without_depth(const StartInputs& in) {
+  if (in.cloud.size() > 0) return StartSource::kCloud;
+  log_warning("there are no points and no depth in scene units: training starts from random points");
+  return StartSource::kRandom;
+}
+
 }  // namespace
 
 StartModel make_start_model(const StartInputs& in, Random random) {
   StartSource source = in.config.init.start;
   if (source == StartSource::kAuto)
-    source = in.prior_depth == PriorDepthKind::kMetric ? StartSource::kDepth : StartSource::kCloud;
+    source = in.prior_depth == PriorDepthKind::kMetric ? StartSource::kDepth : start_without_depth(in);
   if (source == StartSource::kDepth) {
     if (in.prior_depth != PriorDepthKind::kMetric) {
       throw_bad_input({}, "init.start", "there is no metric prior depth to start from",
@@ -126,8 +133,9 @@ StartModel make_start_model(const StartInputs& in, Random random) {
     if (in.config.init.start == StartSource::kDepth) {
       throw_bad_input({}, "pred_depths", "no prior depth value can be used", "use init.start=cloud or random");
     }
-    log_warning("no prior depth value can be used as a start: starting from the cloud");
-    source = StartSource::kCloud;
+    source = start_without_depth(in);
+    log_warning("no prior depth value can be used as a start: starting from {}",
+                source == StartSource::kCloud ? "the cloud" : "random points");
   }
   if (source == StartSource::kRandom) return start_from_cloud(in, random_cloud(in, random));
   if (in.cloud.size() == 0) {

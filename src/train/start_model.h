@@ -31,8 +31,8 @@ struct StartModel {
   bool has_normals = false;  ///< the shortest axes lie along surface normals
 };
 
-/// init.start "auto": prior depth when it is metric, else the cloud. The number is at most max_gaussians,
-/// reached by coarser thinning. Error{kBadInput} when the wanted source holds no point (remedy: another start).
+/// init.start "auto": prior depth when it is metric, else the cloud, else random points with a warning. The number is
+/// at most max_gaussians, reached by coarser thinning. Error{kBadInput} when the wanted source holds no point (remedy: another start).
 StartModel make_start_model(const StartInputs& inputs, Random random);
 
 }  // namespace aligngs

@@ -209,6 +209,16 @@ TEST_F(TrainRun, EveryStartWorks) {
   }
 }
 
+TEST_F(TrainRun, ASceneWithoutPointsAndDepthStartsFromRandomOnes) {
+  fs::remove_all(scene_ / "pred_depths");
+  for (const char* file : {"points3D.bin", "points3D.txt", "points3D.ply"}) fs::remove(scene_ / "sparse" / file);
+  TrainOptions o = options("bare", 3);
+  EXPECT_GT(train_run(o, plain_engine()).gaussians, 0u);
+  o = options("cloud", 3);
+  o.config.sets.push_back("init.start=cloud");
+  EXPECT_THROW(train_run(o, plain_engine()), Error);
+}
+
 TEST_F(TrainRun, ConfigOfARunReproducesIt) {
   const TrainOptions o = options("a");
   train_run(o, plain_engine());

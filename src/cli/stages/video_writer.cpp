@@ -32,12 +32,14 @@ constexpr const char* kProgram = "ffmpeg";
 constexpr const char* kQuality = "18";               // constant rate factor of x264: no loss that is seen
 constexpr uint64_t kLongestLog = uint64_t(1) << 20;  // bytes
 constexpr size_t kToldBytes = 400;                   // of what ffmpeg said last
+constexpr uintmax_t kFullDisk = 64 * 1024;           // bytes: less than ffmpeg writes at once
 
 std::vector<std::string> command_of(const fs::path& file, int width, int height, double rate) {
   return {kProgram,
           "-hide_banner",
           "-loglevel",
           "error",
+          "-xerror",  // without it a failure to finish the file, as on a full disk, ends with status 0
           "-y",
           "-f",
           "rawvideo",
@@ -146,6 +148,10 @@ void VideoWriter::fail() {
   if (to_child_ >= 0) close(to_child_);
   to_child_ = -1;
   wait();
+  std::error_code unknown;
+  const fs::space_info space = fs::space(file_.parent_path(), unknown);
+  if (!unknown && space.available < kFullDisk)
+    throw_resources(file_, "cannot write: " + std::string(std::strerror(ENOSPC)), "free disk space or write elsewhere");
   std::error_code error;
   std::string told = fs::exists(log_, error) ? read_file(log_, kLongestLog) : std::string();
   if (told.size() > kToldBytes) told.erase(0, told.size() - kToldBytes);

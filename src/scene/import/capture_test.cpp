@@ -232,6 +232,33 @@ TEST_F(TransformsTest, LensesThatAreNotUndoneAreRefusedByName) {
   EXPECT_THAT(error_of(R"(, "latlong": true)"), HasSubstr("latlong"));
 }
 
+TEST_F(TransformsTest, NumbersThatNoLensHasAreRefusedByName) {
+  EXPECT_THAT(error_of(R"(, "fl_x": -30)"), HasSubstr("fl_x: a negative focal length"));
+  EXPECT_THAT(error_of(R"(, "k1": NaN)"), HasSubstr("k1: expected a finite number"));
+  EXPECT_THAT(error_of(R"(, "cx": 64)"), HasSubstr("w and h are absent"));
+  EXPECT_THAT(error_of(R"(, "depth_unit_scale_factor": -1)"), HasSubstr("depth_unit_scale_factor"));
+  EXPECT_THAT(error_of(R"(, "ply_file_path": "points.ply")"), HasSubstr("ply_file_path: the points are missing"));
+  EXPECT_EQ(read(R"(, "cx": 64, "w": 32, "h": 24)").frames.size(), 1u) << "a part of a larger photo";
+}
+
+TEST_F(TransformsTest, AnUnknownObjectIsListed) {
+  EXPECT_THAT(read(R"(, "lens": {"k1": 0.2})").notes, ElementsAre(HasSubstr("lens")));
+}
+
+TEST_F(TransformsTest, ShrunkPhotosStandForMissingOnes) {
+  image("images_4/a.png");
+  fs::create_directories(folder_ / "images_8");
+  write(
+      "transforms.json",
+      fmt::format(
+          R"({{"fl_x": 120, "w": 128, "h": 96, "frames": [{{"file_path": "images/a.png", "transform_matrix": {}}}]}})",
+          kMatrix));
+  const Capture capture = read_capture(folder_);
+  ASSERT_EQ(capture.frames.size(), 1u);
+  EXPECT_EQ(capture.frames[0].image, folder_ / "images_4" / "a.png");
+  EXPECT_NEAR(capture.frames[0].camera.params[0], 30, 1e-9);
+}
+
 TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
   depth("depth/a.png", 2000);
   const std::string frame = R"(, "depth_path": "depth\\a.png")";
@@ -421,6 +448,33 @@ TEST_F(CaptureTest, TheFolderBelowThatHoldsAKnownLayoutIsNamed) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr((folder_ / "export 1").string()));
     EXPECT_THAT(error.what(), HasSubstr("Polycam"));
+  }
+}
+
+TEST_F(CaptureTest, TheFolderAroundThatHoldsAKnownLayoutIsNamed) {
+  image("images/b.jpg");
+  write("sparse/0/cameras.txt", "1 PINHOLE 32 24 30 30 16 12\n");
+  write("sparse/0/images.txt", "7 1 0 0 0 0 0 0 1 b.jpg\n\n");
+  for (const char* part : {"images", "sparse", "sparse/0"}) {
+    try {
+      read_capture(folder_ / part);
+      ADD_FAILURE() << part;
+    } catch (const Error& error) {
+      const std::string remedy = error.details().remedy, place = folder_.string();
+      EXPECT_THAT(remedy, testing::AnyOf("give " + place + " (COLMAP)",
+                                         "give the folder that has the photos as well: " + place))
+          << part;
+    }
+  }
+}
+
+TEST_F(CaptureTest, ATextInUtf16IsNamed) {
+  write("transforms.json", "\xff\xfe{");
+  try {
+    read_capture(folder_);
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("UTF-16"));
   }
 }
 

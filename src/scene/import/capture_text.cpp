@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 std::vector<double> read_numbers(const fs::path& file) {
   constexpr uint64_t kLimit = uint64_t(1) << 28;  // bytes; a trajectory of a million poses is smaller
-  const std::string text(without_byte_order_mark(read_file(file, kLimit)));
+  const std::string text(text_of_file(read_file(file, kLimit), file));
   std::vector<double> numbers;
   size_t line = 1;
   for (const char* p = text.c_str(); *p;) {
@@ -48,7 +48,7 @@ bool all_finite(const double* values, size_t count) {
 std::vector<std::string> read_name_list(const fs::path& file) {
   const std::string text = read_file(file);
   std::vector<std::string> names;
-  std::string_view rest = without_byte_order_mark(text);
+  std::string_view rest = text_of_file(text, file);
   while (!rest.empty()) {
     std::string_view line = trimmed(take_line(rest));
     if (line.empty() || line[0] == '#') continue;

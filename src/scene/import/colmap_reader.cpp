@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/photo_places.h"
 
 namespace aligngs {
 
@@ -42,7 +43,7 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
       CapturedFrame frame;
       frame.name = slashed_name(image.name);
       const PhotoLookup::Answer photo = photos.find(image.name);
-      if (photo.file.empty()) throw_bad_input({}, "", photo.problem, "put the images that COLMAP used into images/");
+      if (photo.file.empty()) throw_bad_input({}, "", photo.problem, missing_photos_remedy(folder));
       frame.image = photo.file;
       set_camera(frame, *cameras.at(image.camera_id));
       frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};

@@ -68,7 +68,7 @@ Selection select(const Capture& capture, const ImportOptions& options, ThreadPoo
   } else if (!options.train_names.empty()) {
     selection.train = indices_of(capture, options.train_names, "--train", false);
   } else if (own_split) {
-    selection.train = indices_of(capture, capture.train, "train.txt", true);
+    selection.train = indices_of(capture, capture.train, "the training list of the capture", true);
   } else if (capture.frames.size() > kMaxUnselected) {
     log_info("choosing {} of {} frames (--views, --stride or --train change that)", kDefaultViews,
              capture.frames.size());
@@ -79,14 +79,14 @@ Selection select(const Capture& capture, const ImportOptions& options, ThreadPoo
     selection.train.resize(capture.frames.size());
     std::iota(selection.train.begin(), selection.train.end(), 0);
     if (!capture.test.empty()) {  // only test names came with the capture: the others train
-      const std::vector<int> test = indices_of(capture, capture.test, "test list", true);
+      const std::vector<int> test = indices_of(capture, capture.test, "the test list of the capture", true);
       std::erase_if(selection.train, [&](int i) { return std::find(test.begin(), test.end(), i) != test.end(); });
     }
   }
   if (!options.test_names.empty()) {
     selection.test = indices_of(capture, options.test_names, "--test", false);
   } else if (given == 0 && !capture.test.empty()) {
-    selection.test = indices_of(capture, capture.test, "test.txt", true);
+    selection.test = indices_of(capture, capture.test, "the test list of the capture", true);
   } else {
     const int wanted = options.test_views >= 0 ? options.test_views : static_cast<int>(selection.train.size()) / 3;
     selection.test = select_test_views(capture, selection.train, wanted, pool);

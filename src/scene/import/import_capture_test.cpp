@@ -221,7 +221,7 @@ TEST_F(ImportCaptureTest, WhatTrainingWarnsOfIsReported) {
   EXPECT_THAT(import().warnings, testing::IsEmpty());
   fs::remove_all(folder / "scene");
   fs::remove(source / "sparse" / "0" / "points3D.bin");
-  EXPECT_THAT(import().warnings, ElementsAre("sparse: the cloud has only 0 points to start from"));
+  EXPECT_THAT(import().warnings, ElementsAre("sparse: there are no points to start from"));
 }
 
 TEST_F(ImportCaptureTest, UpIsRecordedWithItsSource) {

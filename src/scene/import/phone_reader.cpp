@@ -14,6 +14,7 @@
 #include "io/atomic_file.h"
 #include "io/image_limits.h"
 #include "io/json_text.h"
+#include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
@@ -25,7 +26,7 @@ using Json = nlohmann::json;
 namespace {
 
 Json read_frame_json(const fs::path& file) {
-  Json document = parse_json(read_file(file));
+  Json document = parse_json(text_of_file(read_file(file), file));
   if (!document.is_object())
     throw_bad_input(file, "", "this is no JSON object", "export the capture again, or leave this frame out");
   return document;

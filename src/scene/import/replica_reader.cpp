@@ -9,6 +9,7 @@
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
+#include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
@@ -27,7 +28,7 @@ ReplicaCamera read_camera(const fs::path& folder) {
   ReplicaCamera camera;
   const fs::path file = first_existing({folder / "cam_params.json", folder.parent_path() / "cam_params.json"});
   if (file.empty()) return camera;
-  const nlohmann::json document = parse_json(read_file(file));
+  const nlohmann::json document = parse_json(text_of_file(read_file(file), file));
   if (document.is_discarded())
     throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
   if (!document.is_object() || !document.contains("camera") || !document["camera"].is_object()) {

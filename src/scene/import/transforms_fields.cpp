@@ -153,6 +153,7 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
   const auto focal = [&](const char* pixels, const char* radians, const char* degrees, double side) {
     const double direct = number(pixels, 0), angle = number(radians, kRadiansPerDegree * number(degrees, 0));
     if (direct > 0) return direct;
+    if (direct < 0) throw_bad_input(file_, pixels, "a negative focal length", "the focal length in pixels");
     return angle > 0 && angle < kPi ? 0.5 * side / std::tan(0.5 * angle) : 0.0;
   };
   double fx = focal("fl_x", "camera_angle_x", "x_fov", w), fy = focal("fl_y", "camera_angle_y", "y_fov", h);
@@ -181,7 +182,12 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
     p1 = (*list)[4].get<double>();
     p2 = (*list)[5].get<double>();
   }
-  ColmapCamera camera = pinhole_camera(fx, fy, number("cx", w / 2), number("cy", h / 2), int(w), int(h));
+  const double cx = number("cx", w / 2), cy = number("cy", h / 2);
+  if (!find("w") && !find("h") && !(cx > 0 && cy > 0 && cx < w && cy < h)) {
+    throw_bad_input(file_, "cx, cy", "they lie outside of the photo, and w and h are absent",
+                    "add w and h: the size of the photos that the camera was found in");
+  }
+  ColmapCamera camera = pinhole_camera(fx, fy, cx, cy, int(w), int(h));
   if (fisheye) {  // theta (1 + k1 theta^2 + ... + k4 theta^8) and the tangential terms
     camera.model = "THIN_PRISM_FISHEYE";
     camera.params.insert(camera.params.end(), {k[0], k[1], p1, p2, k[2], k[3], 0, 0});
@@ -203,7 +209,7 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
 std::vector<std::string> unknown_fields(const Json& object) {
   std::vector<std::string> unknown;
   for (const auto& [key, value] : object.items()) {
-    if (kUsed.count(key) || kHarmless.count(key) || value.is_null() || value.is_object()) continue;
+    if (kUsed.count(key) || kHarmless.count(key) || value.is_null()) continue;
     unknown.push_back(key);
   }
   return unknown;

@@ -16,6 +16,7 @@
 #include "scene/import/capture_text.h"
 #include "scene/import/transforms_fields.h"
 #include "scene/mesh_ply.h"
+#include "scene/photo_places.h"
 
 namespace aligngs {
 
@@ -31,7 +32,7 @@ struct Transforms {
 };
 
 Transforms read_document(const fs::path& file) {
-  Transforms transforms{file, parse_json(without_byte_order_mark(read_file(file)))};
+  Transforms transforms{file, parse_json(text_of_file(read_file(file), file))};
   const Json& document = transforms.document;
   if (document.is_discarded())
     throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
@@ -188,6 +189,8 @@ std::vector<std::string> listed_names(const Transforms& transforms, std::initial
 
 /// Points in double precision, which PointCloud has not.
 CapturedCloud read_points(const fs::path& file) {
+  if (!fs::is_regular_file(file))
+    throw_bad_input(file, "ply_file_path", "the points are missing", "add the file, or remove ply_file_path");
   CapturedCloud cloud;
   const PointCloud points = read_cloud_ply(file);
   const PlyFile ply = read_ply(file);
@@ -202,8 +205,8 @@ void set_depth_unit(const Transforms& transforms, Capture& capture) {
   const TransformsFields fields(transforms.document, transforms.document, transforms.file);
   const double nerfstudio = fields.number("depth_unit_scale_factor", 0), ngp = fields.number("integer_depth_scale", 0);
   if (nerfstudio < 0 || ngp < 0)
-    throw_bad_input(transforms.file, "integer_depth_scale", "a positive number expected",
-                    "scene units per stored depth value");
+    throw_bad_input(transforms.file, nerfstudio < 0 ? "depth_unit_scale_factor" : "integer_depth_scale",
+                    "a positive number expected", "scene units per stored depth value");
   if (nerfstudio > 0)
     capture.depth_unit = nerfstudio;
   else if (ngp > 0)
@@ -217,8 +220,7 @@ bool may_hold_transforms(const fs::path& folder) {
 }
 
 Capture read_transforms(const fs::path& folder, const CaptureOptions&) {
-  return read_transforms(folder,
-                         PhotoLookup(fs::is_directory(folder / "images") ? folder / "images" : fs::path(), folder));
+  return read_transforms(folder, PhotoLookup(images_folder(folder), folder));
 }
 
 Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {

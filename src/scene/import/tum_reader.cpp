@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
@@ -25,7 +26,7 @@ struct Stamped {
 
 std::vector<Stamped> read_stamped(const fs::path& file) {
   std::vector<Stamped> lines;
-  std::istringstream text(read_file(file));
+  std::istringstream text(std::string(text_of_file(read_file(file), file)));
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     ++number;

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "scene/import/capture.h"
 #include "scene/photo_lookup.h"
+#include "scene/photo_places.h"
 
 namespace aligngs {
 
@@ -26,6 +27,10 @@ const std::vector<ForeignExport>& foreign_exports() {
       {{"metadata.json", "rgb"},
        "this is an export of Record3D, which is not read",
        "nerfstudio's `ns-process-data record3d` makes a transforms.json of it"},
+      {{"metadata", "rgbd"},
+       "this is a capture of Record3D (.r3d), which is not read",
+       "export it from Record3D as \"EXR + RGB\", and make a transforms.json of it with nerfstudio's `ns-process-data "
+       "record3d`"},
       {{"lowres_wide.traj"},
        "this is a scan of ARKitScenes, which is not read",
        "write the RGB-D layout of docs/formats.md: images/ depth/ poses/ intrinsics.txt"},
@@ -93,12 +98,20 @@ void require_capture_folder(const fs::path& folder) {
   if (!fs::exists(folder, error))
     throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
   const std::string extension = folder.extension().string();
-  const bool archive = extension == ".zip" || extension == ".tar" || extension == ".gz" || extension == ".7z";
+  const bool archive =
+      extension == ".zip" || extension == ".tar" || extension == ".gz" || extension == ".7z" || extension == ".r3d";
   throw_bad_input(folder, "", archive ? "this is an archive, not a folder" : "this is a file, not a folder",
                   archive ? "unpack it, and give the folder" : "give the folder of the capture");
 }
 
 void refuse_layout(const fs::path& folder) {
+  const fs::path around = data_set_around(folder / "model");  // photos that were given without their cameras
+  for (const fs::path& place : {fs::absolute(folder).lexically_normal().parent_path(), around}) {
+    const CaptureLayout* layout = place.empty() ? nullptr : recognise_layout(place);
+    if (layout)
+      throw_bad_input(folder, "layout", "this is none of the known layouts, but the folder around it is",
+                      "give " + place.string() + " (" + layout->title + ")");
+  }
   if (const std::vector<std::string> known = known_below(folder); !known.empty()) {
     constexpr size_t kShown = 3;
     std::string list;

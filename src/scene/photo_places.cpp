@@ -1,0 +1,36 @@
+#include "scene/photo_places.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+fs::path images_folder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(folder / "images", error)) return folder / "images";
+  constexpr int kLargestDivisor = 64;  // photos of 4000 pixels are 62 wide then
+  for (int divisor = 2; divisor <= kLargestDivisor; ++divisor) {
+    const fs::path shrunk = folder / ("images_" + std::to_string(divisor));
+    if (fs::is_directory(shrunk, error)) return shrunk;
+  }
+  return {};
+}
+
+fs::path data_set_around(const fs::path& folder) {
+  std::error_code error;
+  fs::path place = fs::absolute(folder, error).lexically_normal();
+  if (place.filename().empty()) place = place.parent_path();
+  constexpr int kLevels = 2;  // sparse/0
+  for (int level = 0; level < kLevels && place.has_relative_path(); ++level) {
+    place = place.parent_path();
+    if (!images_folder(place).empty()) return place;
+  }
+  return {};
+}
+
+std::string missing_photos_remedy(const fs::path& folder) {
+  const fs::path around = images_folder(folder).empty() ? data_set_around(folder) : fs::path();
+  if (around.empty()) return "put the images that COLMAP used into images/";
+  return "give the folder that has the photos as well: " + around.string();
+}
+
+}  // namespace aligngs
