@@ -89,14 +89,15 @@ TEST(McmcGrowth, OpaqueRowsAreDrawnInProportion) {
   for (size_t i = 2; i < model.size(); ++i) model.opacity_logits[i] = dead;
   Random random(5);
   size_t first = 0;
-  for (const RowOrigin& row : plan_mcmc_growth(model, {}, random).rows) first += row.source == 0;
+  const McmcRule rule{.dead_opacity = 0.005f};
+  for (const RowOrigin& row : plan_mcmc_growth(model, rule, random).rows) first += row.source == 0;
   EXPECT_NEAR(static_cast<double>(first) / 2002, 0.9, 0.03);
 }
 
 TEST(McmcGrowth, WithoutLivingRowsEverythingStays) {
   const GaussianModel model = model_of({0.001f, 0.002f});
   Random random(1);
-  const RestructurePlan plan = plan_mcmc_growth(model, {}, random);
+  const RestructurePlan plan = plan_mcmc_growth(model, {.dead_opacity = 0.005f}, random);
   ASSERT_EQ(plan.rows.size(), 2u);
   EXPECT_EQ(plan.rows[0].kind, RowOrigin::Kind::kKeep);
 }
