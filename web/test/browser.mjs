@@ -63,6 +63,12 @@ export async function withBrowser(body, { cleanup = () => {} } = {}) {
 }
 export const remove = (folder) => rmSync(folder, { recursive: true, force: true });
 
+/// Waits until a page that was opened or loaded again has shown its first picture. Its script starts after the page has loaded.
+export async function ready(page) {
+  await page.waitForFunction(() => window.aligngs?.ready, null, { timeout: 60000 });
+  await page.evaluate(() => window.aligngs.ready);
+}
+
 /// A page on `url` that has shown its first picture, with ways to look at it. `density`: device pixels a CSS pixel; fewer are
 /// drawn sooner. `before` runs in the page before its script.
 export async function open(browser, url, { width = 800, height = 480, density = 1, shots = '', prefix = '', before = null } = {}) {
@@ -74,8 +80,7 @@ export async function open(browser, url, { width = 800, height = 480, density = 
   await page.emulateMedia({ colorScheme: 'dark' });
   const started = Date.now();
   await page.goto(url);
-  await page.waitForFunction(() => window.aligngs?.ready, null, { timeout: 60000 });
-  await page.evaluate(() => window.aligngs.ready);
+  await ready(page);
   // Waits until sorting and drawing have ended, then reads the canvas.
   const settle = async () => {
     await page.evaluate(() => window.aligngs.page.loading);

@@ -2,7 +2,7 @@
 // Usage: node test/camera_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { aligngs, check, difference, open, remove, serve, settings, skip, withBrowser } from './browser.mjs';
+import { aligngs, check, difference, open, ready, remove, serve, settings, skip, withBrowser } from './browser.mjs';
 
 const { program, run, shots, folder } = settings();
 if (!run || !existsSync(run)) skip('no run was given');
@@ -74,7 +74,7 @@ await withBrowser(async (browser) => {
   await settle();
   check(difference(seen, await picture()) < 1, 'and the picture on the screen stays');
   await page.reload();
-  await page.evaluate(() => window.aligngs.ready);
+  await ready(page);
   check((await keys()).length === 2, 'the path is there after a reload');
   check(complaints.length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
 }, { cleanup: () => { server.kill('SIGTERM'); remove(folder); } });

@@ -5,7 +5,7 @@ import { spawnSync } from 'node:child_process';
 import { cpSync, existsSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { aligngs, check, difference, open, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
+import { aligngs, check, difference, open, ready, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
 
 const kSizeOff = 0.15; // share that the size may differ from what was told before
 
@@ -94,7 +94,7 @@ await withBrowser(async (browser) => {
   check(await page.locator('#measures li').count() === 2, 'a distance can be measured');
   await page.keyboard.press('Escape');
   await page.reload();
-  await page.evaluate(() => window.aligngs.ready);
+  await ready(page);
   check(await page.locator('#measures li').count() === 2, 'and is there when the file is opened again');
 
   // Every key of the help, and every button.

@@ -3,7 +3,7 @@
 import { cpSync, existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import { check, difference, open, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
+import { check, difference, open, ready, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
 
 const { program, run: given, shots, folder } = settings(), run = join(folder, 'run');
 if (!given || !existsSync(given)) skip('no run was given');
@@ -112,7 +112,7 @@ await withBrowser(async (browser) => {
   await page.waitForFunction(() => location.hash.includes('eye=') && document.getElementById('message').textContent.includes('link'));
   check(/link/.test(await message()), `a link is made (${page.url().replace(/.*#/, '#')})`);
   await page.reload();
-  await page.evaluate(() => window.aligngs.ready);
+  await ready(page);
   check(moved(here.eye, (await pose()).eye) < 0.01 && moved(here.target, (await pose()).target) < 0.01, 'the link opens the same view');
   await page.locator('#home').click();
   await page.locator('#views li .class-name').first().click();

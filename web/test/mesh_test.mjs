@@ -2,7 +2,7 @@
 // Usage: node test/mesh_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
 import { cpSync, existsSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, difference, open, remove, serve, settings, skip, withBrowser } from './browser.mjs';
+import { check, difference, open, ready, remove, serve, settings, skip, withBrowser } from './browser.mjs';
 
 const { program, run: given, shots, folder } = settings(), run = join(folder, 'run');
 if (!given || !existsSync(given)) skip('no run was given');
@@ -81,7 +81,7 @@ await withBrowser(async (browser) => {
   await page.locator('#copy-link').click();
   await page.waitForFunction(() => location.hash.includes('cut='));
   await page.reload();
-  await page.evaluate(() => window.aligngs.ready);
+  await ready(page);
   check(difference(splats, await picture()) < 1.5, `and the splats, also in a link (${page.url().replace(/.*&/, '')})`);
   await page.locator('#save-view').click();
   await page.locator('#cut-reset').evaluate((e) => e.click());

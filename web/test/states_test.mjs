@@ -2,7 +2,7 @@
 // Usage: node test/states_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
 import { appendFileSync, cpSync, existsSync, renameSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, open, remove, serve, settings, skip, sleep, withBrowser } from './browser.mjs';
+import { check, open, ready, remove, serve, settings, skip, sleep, withBrowser } from './browser.mjs';
 
 const { program, run: given, shots, folder } = settings(), run = join(folder, 'run');
 if (!given || !existsSync(given)) skip('no run was given');
@@ -62,7 +62,7 @@ await withBrowser(async (browser) => {
   await page.setViewportSize({ width: 800, height: 480 });
   renameSync(join(run, 'checkpoints'), join(run, 'elsewhere'));
   await page.reload();
-  await page.evaluate(() => window.aligngs.ready);
+  await ready(page);
   check(await page.locator('#editing').isVisible() && !(await page.locator('#not-editable').isVisible()), 'a run without checkpoints can be edited');
   check(await page.locator('#classes li').count() > 2, 'and is looked at as before');
   const tested = await page.evaluate(() => Object.keys(window.aligngs.page.state.views).find((v) => window.aligngs.page.state.views[v].kinds.includes('depth')));
