@@ -237,10 +237,12 @@ class Filler {
           const int j = static_cast<int>(row);
           for (int i = 0; i < grid.columns; ++i) {
             const size_t at = grid.index(i, j);
+            closed[at] = cover[at] >= settings_.covered;
+            if (cover[at] >= settings_.thin) continue;  // neither the hole nor its rim
             const Vec3d place = grid.at(i + 0.5, j + 0.5);
             barred[at] =
                 open[at] > settings_.shadow || !is_inside(place, planes_, tolerance, settings_.opening * extent_);
-            closed[at] = barred[at] || cover[at] >= settings_.covered;
+            closed[at] |= barred[at];
             if (closed[at]) continue;
             hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
           }

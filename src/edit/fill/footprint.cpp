@@ -1,7 +1,5 @@
 #include "edit/fill/footprint.h"
 
-#include <cmath>
-
 #include "edit/fill/hole_gaps.h"
 #include "gaussians/gaussian_geometry.h"
 
@@ -9,9 +7,8 @@ namespace aligngs {
 
 bool Footprint::holds(const Vec3d& place) const {
   if (cells.empty()) return false;
-  const Vec2d at = grid.place_of(place);
-  const int i = static_cast<int>(std::floor(at.x)), j = static_cast<int>(std::floor(at.y));
-  return i >= 0 && j >= 0 && i < grid.columns && j < grid.rows && cells[grid.index(i, j)];
+  const std::optional<size_t> cell = grid.cell_at(grid.place_of(place));
+  return cell && cells[*cell];
 }
 
 Footprint footprint_of(const GaussianModel& model, const std::vector<uint32_t>& rows, const PlaneOf& plane, double cell,

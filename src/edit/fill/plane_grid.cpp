@@ -12,6 +12,12 @@ constexpr int kMostCells = 400;  ///< per side
 
 }  // namespace
 
+std::optional<size_t> PlaneGrid::cell_at(const Vec2d& place) const {
+  const int i = static_cast<int>(std::floor(place.x)), j = static_cast<int>(std::floor(place.y));
+  if (i < 0 || j < 0 || i >= columns || j >= rows) return std::nullopt;
+  return index(i, j);
+}
+
 PlaneGrid grid_over(const std::vector<Vec3d>& points, const PlaneOf& plane, double cell, double margin) {
   PlaneGrid grid;
   const Vec3d& n = plane.normal;

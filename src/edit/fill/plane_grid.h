@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/vec.h"
@@ -29,6 +30,8 @@ struct PlaneGrid {
   Vec3d at(double column, double row) const { return origin + u * (column * cell) + v * (row * cell); }
   /// The inverse of at(), of the projection of a point on the plane.
   Vec2d place_of(const Vec3d& p) const { return {dot(u, p - origin) / cell, dot(v, p - origin) / cell}; }
+  /// Index of the cell that holds a place, in cells; empty outside of the grid.
+  std::optional<size_t> cell_at(const Vec2d& place) const;
   double height_of(const Vec3d& p) const { return dot(normal, p - origin); }
 };
 

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "core/random.h"
+#include "edit/fill/square_grid_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -15,15 +16,7 @@ constexpr int kHoleBegin = 30, kHoleEnd = 50;
 using Shade = std::function<float(double, double)>;
 
 /// 80 x 80 cells of 2 cm.
-PlaneGrid wall_grid() {
-  PlaneGrid g;
-  g.u = {1, 0, 0};
-  g.v = {0, 1, 0};
-  g.normal = {0, 0, 1};
-  g.cell = 0.02;
-  g.columns = g.rows = kCells;
-  return g;
-}
+PlaneGrid wall_grid() { return square_grid(kCells, 0.02); }
 
 bool in_hole(int i, int j) { return i >= kHoleBegin && i < kHoleEnd && j >= kHoleBegin && j < kHoleEnd; }
 

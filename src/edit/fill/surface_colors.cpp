@@ -86,10 +86,10 @@ void relax(Level& level) {
 std::vector<Vec3f> continued_colors(const PlaneGrid& grid, const std::vector<KnownColor>& known) {
   std::vector<Level> levels = {make_level(grid.columns, grid.rows)};
   for (const KnownColor& k : known) {
-    const int i = static_cast<int>(std::floor(k.place.x)), j = static_cast<int>(std::floor(k.place.y));
-    if (i < 0 || j < 0 || i >= grid.columns || j >= grid.rows || !(k.weight > 0)) continue;
-    levels[0].color[levels[0].index(i, j)] += k.color * k.weight;
-    levels[0].weight[levels[0].index(i, j)] += k.weight;
+    const std::optional<size_t> cell = grid.cell_at(k.place);
+    if (!cell || !(k.weight > 0)) continue;
+    levels[0].color[*cell] += k.color * k.weight;
+    levels[0].weight[*cell] += k.weight;
   }
   if (std::none_of(levels[0].weight.begin(), levels[0].weight.end(), [](float w) { return w > 0; })) return {};
   normalise(levels[0]);

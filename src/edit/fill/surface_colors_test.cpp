@@ -4,19 +4,13 @@
 
 #include <functional>
 
+#include "edit/fill/square_grid_for_tests.h"
+
 namespace aligngs {
 namespace {
 
 /// 40 x 40 cells of 1 cm.
-PlaneGrid grid() {
-  PlaneGrid g;
-  g.u = {1, 0, 0};
-  g.v = {0, 1, 0};
-  g.normal = {0, 0, 1};
-  g.cell = 0.01;
-  g.columns = g.rows = 40;
-  return g;
-}
+PlaneGrid grid() { return square_grid(40, 0.01); }
 
 /// Known everywhere but in the square from 12 to 28.
 std::vector<KnownColor> frame(const std::function<float(double, double)>& shade) {

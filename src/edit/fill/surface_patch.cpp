@@ -97,8 +97,7 @@ std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const PlaneGrid& g
   std::vector<KnownColor> known = known_colors(room.model, grid, without_strays);
   if (texture.empty()) return continued_colors(grid, known);
   for (KnownColor& k : known) {
-    const int i = static_cast<int>(std::floor(k.place.x)), j = static_cast<int>(std::floor(k.place.y));
-    if (i >= 0 && j >= 0 && i < grid.columns && j < grid.rows) k.color = k.color - texture[grid.index(i, j)];
+    if (const std::optional<size_t> cell = grid.cell_at(k.place)) k.color = k.color - texture[*cell];
   }
   std::vector<Vec3f> colors = continued_colors(grid, known);
   for (size_t at = 0; at < colors.size(); ++at) colors[at] += texture[at];

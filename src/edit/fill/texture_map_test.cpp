@@ -2,19 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "edit/fill/square_grid_for_tests.h"
+
 namespace aligngs {
 namespace {
 
 /// 50 x 50 cells of 2 cm.
-PlaneGrid floor_grid() {
-  PlaneGrid g;
-  g.u = {1, 0, 0};
-  g.v = {0, 1, 0};
-  g.normal = {0, 0, 1};
-  g.cell = 0.02;
-  g.columns = g.rows = 50;
-  return g;
-}
+PlaneGrid floor_grid() { return square_grid(50, 0.02); }
 
 KnownColor gray(double x, double y, float shade, double radius = 0) {
   return {{x, y}, {shade, shade, shade}, 1, radius};
