@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
@@ -34,6 +35,7 @@ class Filler {
         planes_(room_planes(room_, classes_, input_.selected, place_inside(room_, input_.cameras))),
         stains_(room_, points_of(input.selected), furniture_points(), settings) {
     gone_ = input_.selected;
+    find_removed_objects();
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
   }
 
@@ -164,35 +166,44 @@ class Filler {
       const Footprint under = footprint(plane);
       for_each(debris.size(), [&](size_t i) {
         const uint16_t label = room_.labels.label[i];
-        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() ||
-            classes_[label].shell != plane.kind)
-          return;
+        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size()) return;
         const Vec3d place = position_of(room_.model, i);
+        if (classes_[label].shell != plane.kind && !(is_of_removed(i) && lies_on(place, plane))) return;
         if (nearest_plane(place, plane.kind) != &plane) return;
         debris[i] = under.holds(place) || stains_.is_stain(i, surface) || hidden_.from_all(place);
       });
     }
     return debris;
   }
-  /// Gaussians that belong to a removed object by their labels, and that a selection leaves out because their neighbours
-  /// belong to another one. Those on walls, floor and ceiling stay: they are of that surface.
-  std::vector<uint8_t> leftovers() const {
-    std::vector<uint8_t> out(room_.model.size(), 0);
-    std::map<std::pair<uint16_t, uint16_t>, std::pair<size_t, size_t>> counts;  // of all rows, and of selected ones
-    const auto object_of = [&](size_t i) { return std::pair{room_.labels.label[i], room_.labels.instance[i]}; };
-    for (size_t i = 0; i < out.size(); ++i) {
+  using Object = std::pair<uint16_t, uint16_t>;  ///< class and instance
+  Object object_of(size_t i) const { return {room_.labels.label[i], room_.labels.instance[i]}; }
+  /// Objects of which at least half the rows are selected.
+  void find_removed_objects() {
+    std::map<Object, std::pair<size_t, size_t>> counts;  // of all rows, and of selected ones
+    for (size_t i = 0; i < input_.selected.size(); ++i) {
+      if (room_.labels.label[i] == kNoLabel) continue;
       auto& [all, selected] = counts[object_of(i)];
       ++all;
       selected += input_.selected[i];
     }
-    const double tolerance = settings_.tolerance * extent_;
+    for (const auto& [object, count] : counts) {
+      if (2 * count.second >= count.first) removed_objects_.insert(object);
+    }
+  }
+  /// By its labels, also where the selection leaves it out because its neighbours belong to another object.
+  bool is_of_removed(size_t i) const { return removed_objects_.count(object_of(i)) > 0; }
+  bool lies_on(const Vec3d& place, const RoomPlane& plane) const {
+    return std::fabs(dot(plane.normal, place) - plane.offset) < settings_.tolerance * extent_;
+  }
+  /// Gaussians of a removed object that its selection leaves out. Those on walls, floor and ceiling stay unless their
+  /// colour is a stain there: they are of that surface.
+  std::vector<uint8_t> leftovers() const {
+    std::vector<uint8_t> out(room_.model.size(), 0);
     for (size_t i = 0; i < out.size(); ++i) {
-      const auto& [all, selected] = counts[object_of(i)];
-      if (input_.selected[i] || 2 * selected < all || room_.labels.label[i] == kNoLabel) continue;
+      if (input_.selected[i] || !is_of_removed(i)) continue;
       const Vec3d place = position_of(room_.model, i);
-      out[i] = std::none_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) {
-        return std::fabs(dot(plane.normal, place) - plane.offset) < tolerance;
-      });
+      out[i] =
+          std::none_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) { return lies_on(place, plane); });
     }
     return out;
   }
@@ -268,6 +279,8 @@ class Filler {
     if (plane.kind == PlaneKind::kFloor) {
       for (const Instance& rug : list_instances(room_.model, room_.labels)) {
         if (!classes_[static_cast<size_t>(rug.label)].on_floor) continue;
+        // What is left of a rug that goes is no rug.
+        if (removed_objects_.count({static_cast<uint16_t>(rug.label), static_cast<uint16_t>(rug.number)}) > 0) continue;
         const std::vector<uint32_t> rows = rows_on(grid, rug.label, rug.number, 2 * settings_.tolerance);
         if (rows.size() < kFewestCarriers) continue;
         std::vector<Vec2d> places;
@@ -353,6 +366,7 @@ class Filler {
   std::vector<RoomPlane> planes_;
   Stains stains_;
   std::vector<uint8_t> gone_;  ///< selected, and debris
+  std::set<Object> removed_objects_;
   std::vector<int> openings_;  ///< classes
 };
 

@@ -55,7 +55,7 @@ class FillRemoved : public testing::Test {
     room_ = label_objects(model_, labels, small_room::kExtent, pool_);
     for (const size_t row : called_floor_) room_.labels.label[row] = small_room::kFloor;
     selected_.clear();
-    for (const uint16_t l : room_.labels.label) selected_.push_back(l == small_room::kBox);
+    for (const uint16_t l : room_.labels.label) selected_.push_back(l == taken_);
     for (const size_t row : unselected_) selected_[row] = 0;
     Filling filling = fill_removed({room_, labels, selected_, Vec3d{0, -1, 0}, cameras_});
     debris_ = std::move(filling.debris);
@@ -86,6 +86,7 @@ class FillRemoved : public testing::Test {
   TriangleMesh mesh_;
   LabelledGaussians room_;
   std::vector<uint8_t> selected_, debris_;
+  int taken_ = small_room::kBox;      ///< class whose Gaussians go
   std::vector<size_t> called_floor_;  ///< rows whose label is wrong
   std::vector<size_t> unselected_;    ///< rows of the box that the selection leaves out
   std::vector<Camera> cameras_;
@@ -239,6 +240,29 @@ TEST_F(FillRemoved, ARugContinuesWithinItsRectangle) {
   }
   EXPECT_GT(rug, 20u);
   EXPECT_EQ(floor, 0u);
+}
+
+/// The selection leaves some rows of it out, for their neighbours are floor.
+TEST_F(FillRemoved, WhatIsLeftOfARemovedRugIsNoSource) {
+  add_floor();
+  const Vec3f blue{0.2f, 0.2f, 0.6f};
+  for (float x = -0.6f; x < 0.6f; x += 0.03f) {
+    for (float z = -0.2f; z < 0.9f; z += 0.03f) {
+      small_room::add_gaussian(model_, {x, -0.01f, z}, {0, -1, 0}, blue, kRug);
+      if (model_.size() % 40 == 0) unselected_.push_back(model_.size() - 1);
+    }
+  }
+  ASSERT_GE(unselected_.size(), 20u);
+  taken_ = kRug;
+  size_t made = 0;
+  for (const SupportPatch& patch : fill()) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i, ++made) {
+      EXPECT_NEAR(base_color_of(patch.gaussians, i).z, kFloorColor.z, 0.05);
+      EXPECT_EQ(room_.labels.label[patch.sources[i]], small_room::kFloor);
+    }
+  }
+  EXPECT_GT(made, 20u);
+  for (const size_t row : unselected_) EXPECT_EQ(debris_[row], 1) << "its colour is none of the floor's";
 }
 
 TEST_F(FillRemoved, AWindowStaysOpen) {
