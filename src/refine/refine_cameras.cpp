@@ -25,6 +25,7 @@ class Refinement {
   }
 
   RefineResult run(const RefineProgress& progress) {
+    if (views_.empty()) return {};
     const double steps = settings_.rounds + 1;
     int rounds = settings_.rounds;
     for (int round = 0; round < rounds; ++round) {
@@ -32,8 +33,9 @@ class Refinement {
       tracks_ =
           find_tracks(track_photos(train_), round == 0 ? settings_.tracks.match.search : settings_.tracks.near_search,
                       settings_.tracks, pool_);
+      if (round == 0) keep_agreeing_matches(tracks_, track_photos(train_), settings_.consensus, pool_);
       adjust();
-      const bool found = find_lost_photos();
+      const bool found = find_lost_photos(round == 0 ? settings_.first_lost_share : settings_.lost_share);
       if (found && round + 1 == settings_.rounds) ++rounds;  // what they show has to be matched where they are now
     }
     if (progress) progress(settings_.rounds / steps);
@@ -123,6 +125,10 @@ class Refinement {
     matched_ = count_training_observations();
     if (!adjusted_) {
       BundleSettings coarse = settings_.bundle;
+      for (const double share : settings_.graduated) {
+        coarse.pixel = share * matches_.front().camera.width;
+        solve(coarse);
+      }
       coarse.pixel = settings_.coarse_pixel;
       solve(coarse);
     }
@@ -191,7 +197,7 @@ class Refinement {
 
   /// Training photos whose matches agree with the cameras far less often than the others', or too rarely at all. Wrong
   /// matches agree with some pose: a wallpaper's pattern fits one flower further, too.
-  std::vector<int> lost_photos() const {
+  std::vector<int> lost_photos(double lost_share) const {
     const std::vector<int> fitting = count_training_observations();
     const auto share = [&](int v) {
       return static_cast<double>(fitting[static_cast<size_t>(v)]) / std::max(1, matched_[static_cast<size_t>(v)]);
@@ -199,7 +205,7 @@ class Refinement {
     std::vector<double> shares;
     for (const int v : train_) shares.push_back(share(v));
     if (shares.empty()) return {};
-    const double least = settings_.lost_share * median_of(std::move(shares));
+    const double least = lost_share * median_of(std::move(shares));
     std::vector<int> lost;
     std::copy_if(train_.begin(), train_.end(), std::back_inserter(lost), [&](int v) {
       return fitting[static_cast<size_t>(v)] < settings_.least_observations || share(v) < least;
@@ -208,10 +214,9 @@ class Refinement {
   }
 
   /// Forgets what lost photos seemed to show and looks for them farther off, by the points of the others. Whether any
-  /// was found; the
-  /// others follow their neighbours.
-  bool find_lost_photos() {
-    const std::vector<int> lost = lost_photos();
+  /// was found; the others follow their neighbours.
+  bool find_lost_photos(double lost_share) {
+    const std::vector<int> lost = lost_photos(lost_share);
     if (lost.empty() || lost.size() == train_.size()) return false;
     const auto is_lost = [&](int v) { return std::find(lost.begin(), lost.end(), v) != lost.end(); };
     tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [&](const Track& t) { return is_lost(t.view); }),

@@ -8,6 +8,7 @@
 #include "core/thread_pool.h"
 #include "refine/bundle_adjustment.h"
 #include "refine/depth_grid.h"
+#include "refine/pair_consensus.h"
 #include "refine/resection.h"
 #include "scene/point_cloud.h"
 
@@ -25,10 +26,16 @@ struct RefineView {
 /// Tracks, adjustment and what places a photo are ResectionSettings, for training and test photos alike.
 struct RefineSettings : ResectionSettings {
   DepthGridSettings grid;
-  int rounds = 2;             ///< of matching and adjustment; later rounds search nearer
+  int rounds = 2;                   ///< of matching and adjustment; later rounds search nearer
+  PairConsensusSettings consensus;  ///< of the matches of the first round, whose search is wide
+  /// Of the image width: BundleSettings::pixel of adjustments before the first with coarse_pixel. Matches that are far
+  /// off at first are no outliers then (graduated non-convexity, Blake and Zisserman 1987).
+  std::vector<double> graduated{0.025, 0.00625};
   double lost_search = 0.15;  ///< of the image width: for photos of which the usual search finds too little
   /// of the median photo's share of matches that agree with the cameras: a training photo below is lost
   double lost_share = 0.45;
+  /// the same in the first round: pairs have lost most wrong matches before, so that the others agree
+  double first_lost_share = 0.7;
   bool share_focal = true;  ///< all photos come from one lens: their focal lengths become the median first
 };
 

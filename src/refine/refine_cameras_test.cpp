@@ -63,6 +63,17 @@ TEST_F(RefineCamerasTest, WrongCamerasComeSeveralTimesNearer) {
   EXPECT_GT(result.points.size(), 50u);
 }
 
+/// The texture looks alike in many places, so that many matches are wrong.
+TEST_F(RefineCamerasTest, CamerasSomeDegreesOffComeHomeAmongWrongMatches) {
+  const std::vector<RefineView> views = photos(8, 0, 2, 0.04);
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
+  EXPECT_LT(pair_error(cameras_of(result)), 0.1 * pair_error(cameras_of(views)));
+}
+
+TEST_F(RefineCamerasTest, NoPhotosGiveNothing) {
+  EXPECT_TRUE(refine_cameras({}, kRoomExtent, few_corners(), pool_).views.empty());
+}
+
 TEST_F(RefineCamerasTest, AWrongFocalLengthIsFound) {
   std::vector<RefineView> views = photos(8, 0, 0.2, 0.003);
   for (RefineView& v : views) v.match.camera.fx = v.match.camera.fy = 1.03 * kFocal;
