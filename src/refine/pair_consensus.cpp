@@ -15,6 +15,7 @@ struct Place {
 /// Whether each match of a pair agrees with the pair's pose.
 std::vector<bool> agreeing(const Camera& camera, const std::vector<PointMatch>& matches,
                            const PairConsensusSettings& settings) {
+  if (static_cast<int>(matches.size()) < settings.judged) return std::vector<bool>(matches.size(), true);
   std::vector<bool> out(matches.size(), false);
   PoseSearchSettings search;
   search.samples = settings.samples;

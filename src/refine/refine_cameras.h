@@ -28,8 +28,8 @@ struct RefineSettings : ResectionSettings {
   DepthGridSettings grid;
   int rounds = 2;                   ///< of matching and adjustment; later rounds search nearer
   PairConsensusSettings consensus;  ///< of the matches of the first round, whose search is wide
-  /// Of the image width: BundleSettings::pixel of adjustments before the first with coarse_pixel. Matches that are far
-  /// off at first are no outliers then (graduated non-convexity, Blake and Zisserman 1987).
+  /// BundleSettings::pixel of the adjustments before the first with coarse_pixel, as shares of the image width. Matches
+  /// that are far off at first are no outliers then (graduated non-convexity, Blake and Zisserman 1987).
   std::vector<double> graduated{0.025, 0.00625};
   double lost_search = 0.15;  ///< of the image width: for photos of which the usual search finds too little
   /// of the median photo's share of matches that agree with the cameras: a training photo below is lost

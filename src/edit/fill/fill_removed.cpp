@@ -279,7 +279,7 @@ class Filler {
     if (plane.kind == PlaneKind::kFloor) {
       for (const Instance& rug : list_instances(room_.model, room_.labels)) {
         if (!classes_[static_cast<size_t>(rug.label)].on_floor) continue;
-        // What is left of a rug that goes is no rug.
+        // The remains of a rug that goes are no rug.
         if (removed_objects_.count({static_cast<uint16_t>(rug.label), static_cast<uint16_t>(rug.number)}) > 0) continue;
         const std::vector<uint32_t> rows = rows_on(grid, rug.label, rug.number, 2 * settings_.tolerance);
         if (rows.size() < kFewestCarriers) continue;

@@ -243,7 +243,7 @@ TEST_F(FillRemoved, ARugContinuesWithinItsRectangle) {
 }
 
 /// The selection leaves some rows of it out, for their neighbours are floor.
-TEST_F(FillRemoved, WhatIsLeftOfARemovedRugIsNoSource) {
+TEST_F(FillRemoved, RemainsOfARemovedRugAreNoSource) {
   add_floor();
   const Vec3f blue{0.2f, 0.2f, 0.6f};
   for (float x = -0.6f; x < 0.6f; x += 0.03f) {
