@@ -206,6 +206,7 @@ TEST_P(DamagedFiles, CutFilesAndOtherBytesAreTakenOrRefused) {
     takes(bytes, "another bit at " + place);
     takes(std::string(valid_).erase(at, 1), "without byte " + place);
     takes(std::string(valid_).insert(at, "\xff"), "a byte that is no text at " + place);
+    takes(std::string(valid_).insert(at, "1e999"), "a number beyond all at " + place);
   }
 }
 
