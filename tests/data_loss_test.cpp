@@ -141,6 +141,29 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
     const ProcessResult result = aligngs(options);
     EXPECT_EQ(result.status, 2) << options << result.err;
   }
+  // Data of others: photos of a data set, its points, another run, a film.
+  fs::copy(run, root_ / "other", fs::copy_options::recursive);
+  write_file_atomically(root_ / "film.mp4", "of somebody");
+  for (const std::string& options :
+       {"render " + quoted(run) + " --view view_000 -o " + quoted(data() / "images" / "view_000.png") + small,
+        "render " + quoted(run) + " --path orbit --seconds 0.1 -o " + quoted(root_ / "film.mp4") + small,
+        "edit " + quoted(run) + " --select wall --delete --dry-run --picture " +
+            quoted(data() / "images" / "view_000.png"),
+        "export " + quoted(run) + " -f ply -o " + quoted(data() / "sparse" / "points3D.ply"),
+        "export " + quoted(run) + " -f ply -o " + quoted(root_ / "other" / "scene.ply"),
+        "mesh " + quoted(run) + " -o " + quoted(root_ / "other" / "scene.ply"),
+        "compare " + quoted(run) + " --csv " + quoted(root_ / "rooms.tsv")}) {
+    write_file_atomically(data() / "sparse" / "points3D.ply", "points of somebody");
+    const ProcessResult result = aligngs(options);
+    EXPECT_EQ(result.status, 2) << options << result.err;
+    EXPECT_EQ(read_file(data() / "sparse" / "points3D.ply"), "points of somebody");
+  }
+  fs::remove(data() / "sparse" / "points3D.ply");
+  EXPECT_EQ(read_file(root_ / "film.mp4"), "of somebody");
+  EXPECT_TRUE(contents(root_ / "other") == trained);
+  const std::string view = "render " + quoted(run) + " --view view_000 -o " + quoted(root_ / "view.png") + small;
+  for (int again = 0; again < 2; ++again) EXPECT_EQ(aligngs(view).status, 0) << "a drawn picture is replaced";
+
   EXPECT_TRUE(contents(data()) == before_);
   EXPECT_TRUE(contents(run) == trained);
   EXPECT_TRUE(contents(root_ / "made") == made);

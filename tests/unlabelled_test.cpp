@@ -57,6 +57,18 @@ TEST_F(Unlabelled, OnlyTheLabelsThemselvesAndNamesAreRefused) {
   EXPECT_FALSE(fs::exists(trained() / "edits.json"));
 }
 
+/// `aligngs room` would be refused, too, so that it is no remedy.
+TEST_F(Unlabelled, PlansAndScaleNameTheMissingSemantics) {
+  for (const std::string arguments : {"export RUN -f plan.svg", "scale RUN --between 0,0,0 1,0,0 2"}) {
+    std::string command = arguments;
+    command.replace(command.find("RUN"), 3, quoted(trained()));
+    const ProcessResult result = aligngs(command);
+    EXPECT_EQ(result.status, 3) << command;
+    EXPECT_THAT(result.err, HasSubstr("trained without semantics")) << command;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("aligngs room"))) << command;
+  }
+}
+
 TEST_F(Unlabelled, TheWholeRoomIsListedAndEdited) {
   const fs::path copy = root() / "edited";
   fs::copy(trained(), copy, fs::copy_options::recursive);

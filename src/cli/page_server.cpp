@@ -15,9 +15,10 @@ namespace aligngs {
 
 PageServer::PageServer(PageServerOptions options) {
   const std::filesystem::path& run = options.server.run;
+  options.server.scene = options.scene;
   scenes_ = std::make_unique<SceneService>(run, options.server.expect_run);
   scenes_->serve(options.server);
-  start_ = std::make_unique<StartPicture>(run, options.server.expect_run, options.threads);
+  start_ = std::make_unique<StartPicture>(run, options.server.expect_run, options.scene, options.threads);
   start_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
     edits_ = std::make_unique<EditService>(EditServiceOptions{

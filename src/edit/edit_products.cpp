@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "edit/export/scene_export.h"
 #include "io/atomic_file.h"
+#include "io/drawn_picture.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
@@ -35,7 +36,7 @@ void write_object(const fs::path& folder, const EditableRoom& object, ThreadPool
 }
 
 void write_before_after(const fs::path& path, const BeforeAfter& picture) {
-  if (!picture.picture.empty()) write_png(path, picture.picture);
+  if (!picture.picture.empty()) write_drawn_picture(path, picture.picture);
 }
 
 void write_edited_record(const fs::path& path, RunRecord record, const std::string& command_line,

@@ -27,12 +27,23 @@ std::string fault_of(const LeftOut& frame) {
   return own ? frame.reason.substr(end + 2) : frame.reason;
 }
 
-/// Frames with the same fault, each group in the order of its first.
+/// The fault with each number as one sign: "frames[0].transform_matrix" and "frames[1].transform_matrix" are alike.
+std::string kind_of_fault(const LeftOut& frame) {
+  std::string kind;
+  for (const char c : fault_of(frame)) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit) kind += c;
+    if (digit && !kind.ends_with('#')) kind += '#';
+  }
+  return kind;
+}
+
+/// Frames with the same kind of fault, each group in the order of its first.
 std::vector<std::vector<const LeftOut*>> grouped(const std::vector<LeftOut>& left_out) {
   std::vector<std::vector<const LeftOut*>> groups;
   std::map<std::string, size_t> places;
   for (const LeftOut& frame : left_out) {
-    const auto [place, fresh] = places.try_emplace(fault_of(frame), groups.size());
+    const auto [place, fresh] = places.try_emplace(kind_of_fault(frame), groups.size());
     if (fresh) groups.emplace_back();
     groups[place->second].push_back(&frame);
   }
@@ -48,7 +59,10 @@ std::string told_together(const std::vector<const LeftOut*>& group, bool all) {
   if (group.size() > kShown) names += fmt::format(" and {} more", group.size() - kShown);
   const bool one_reason =
       std::all_of(group.begin(), group.end(), [&](const LeftOut* f) { return f->reason == first.reason; });
-  return fmt::format("{} ({})", all ? "all" : names, one_reason ? first.reason : fault_of(first));
+  const bool one_fault =
+      std::all_of(group.begin(), group.end(), [&](const LeftOut* f) { return fault_of(*f) == fault_of(first); });
+  return fmt::format("{} ({}{})", all ? "all" : names,
+                     one_fault ? "" : "such as: ", one_reason ? first.reason : fault_of(first));
 }
 
 }  // namespace

@@ -36,6 +36,15 @@ TEST(LeftOut, OneFaultOfAllIsToldOnce) {
             "missing)");
 }
 
+TEST(LeftOut, OneFaultWithOtherNumbersIsToldOnce) {
+  std::vector<LeftOut> frames;
+  for (const char* name : {"a", "b", "c", "d"})
+    frames.push_back({name, "t.json, frames[" + std::to_string(8 + frames.size()) + "].pose: not finite", ""});
+  EXPECT_EQ(summary_of(0, frames), "0 of 4 frames; left out: all (such as: t.json, frames[8].pose: not finite)");
+  EXPECT_EQ(summary_of(1, frames),
+            "1 of 5 frames; left out: a, b, c and 1 more (such as: t.json, frames[8].pose: not finite)");
+}
+
 TEST(LeftOut, BadInputOfOneFrameLeavesItOut) {
   std::vector<LeftOut> left_out;
   EXPECT_FALSE(use_or_leave_out("a", left_out, [] {

@@ -14,10 +14,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Extensions of scenes, meshes, splats, pictures, tables and pages.
-constexpr std::array<std::string_view, 25> kKnownExtensions = {
-    ".ply", ".glb",  ".gltf", ".obj", ".sog",  ".spz", ".splat", ".ksplat", ".usd", ".usda", ".usdc", ".usdz", ".stl",
-    ".fbx", ".html", ".htm",  ".csv", ".json", ".png", ".jpg",   ".jpeg",   ".zip", ".svg",  ".dxf",  ".pdf"};
+/// Extensions of scenes, meshes, splats, pictures, videos, tables, pages and weights.
+constexpr std::array<std::string_view, 48> kKnownExtensions = {
+    ".ply", ".glb",  ".gltf", ".obj", ".sog",  ".spz",  ".splat", ".ksplat", ".usd",  ".usda", ".usdc", ".usdz",
+    ".stl", ".fbx",  ".html", ".htm", ".csv",  ".json", ".png",   ".jpg",    ".jpeg", ".zip",  ".svg",  ".dxf",
+    ".pdf", ".dae",  ".3ds",  ".xyz", ".pcd",  ".las",  ".laz",   ".e57",    ".mp4",  ".mov",  ".mkv",  ".webm",
+    ".gif", ".webp", ".heic", ".tif", ".tiff", ".bmp",  ".tsv",   ".txt",    ".toml", ".bin",  ".npz",  ".npy"};
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -120,5 +120,11 @@ TEST(OutputExtension, ANameThatPromisesAnotherFormatIsAUsageError) {
   }
 }
 
+TEST_F(OutputPlace, TheNameOfAnotherKindOfFileIsRefused) {
+  for (const char* other : {"rooms.tsv", "film.mp4", "photo.HEIC", "points3D.bin", "config.toml", "notes.txt"})
+    EXPECT_THROW(require_extension(other, "csv"), Error) << other;
+  for (const char* fine : {"rooms.csv", "rooms", "rooms.v2"}) EXPECT_NO_THROW(require_extension(fine, "csv")) << fine;
+}
+
 }  // namespace
 }  // namespace aligngs

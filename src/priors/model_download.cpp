@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/stop_signal.h"
 #include "core/temporary_paths.h"
 #include "io/weight_file.h"
 #include "priors/http_download.h"
@@ -137,6 +138,39 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
            file.sha256.empty() ? " (recorded; the publisher gives none)" : " (as published)");
 }
 
+/// A file that is being copied: it takes its place, or is removed.
+class ImportedFile {
+ public:
+  explicit ImportedFile(const fs::path& target) : target_(target), temporary_(target.string() + ".importing") {
+    note_temporary_path(temporary_);  // gigabytes, which take longer to copy than a signal waits
+  }
+  ~ImportedFile() {
+    std::error_code ignored;
+    if (!placed_) fs::remove(temporary_, ignored);
+    forget_temporary_path(temporary_);
+  }
+  ImportedFile(const ImportedFile&) = delete;
+  ImportedFile& operator=(const ImportedFile&) = delete;
+
+  void fill(const fs::path& source) const {
+    std::error_code error;
+    fs::remove(temporary_, error);
+    fs::create_hard_link(source, temporary_, error);
+    if (!error) return;
+    require_space(target_.parent_path(), temporary_, fs::file_size(source));
+    fs::copy_file(source, temporary_, fs::copy_options::overwrite_existing);
+  }
+  void place() {
+    const auto lock = hold_temporary_paths();
+    fs::rename(temporary_, target_);
+    placed_ = true;
+  }
+
+ private:
+  fs::path target_, temporary_;
+  bool placed_ = false;
+};
+
 }  // namespace
 
 void download_model(const ModelStore& store, const PublishedModel& model, const ModelDownloadOptions& options) {
@@ -181,19 +215,12 @@ fs::path import_model_file(const ModelStore& store, const PublishedModel& model,
   const fs::path target = store.own_path(model, *found);
   const FolderLock lock(target.parent_path());
   std::error_code error;
-  const fs::path temporary = target.string() + ".importing";
-  if (!fs::equivalent(source, target, error)) {
-    note_temporary_path(temporary);  // gigabytes, which take longer to copy than a signal waits
-    fs::remove(temporary, error);
-    fs::create_hard_link(source, temporary, error);
-    if (error) {
-      require_space(target.parent_path(), temporary, fs::file_size(source));
-      fs::copy_file(source, temporary, fs::copy_options::overwrite_existing);
-    }
-    const auto lock_names = hold_temporary_paths();
-    fs::rename(temporary, target);
-    forget_temporary_path(temporary);
-  }
+  ImportedFile copy(target);
+  const bool elsewhere = !fs::equivalent(source, target, error);
+  if (elsewhere) copy.fill(source);
+  stop_if_requested();
+  const StopDeferral together;  // the file and its record
+  if (elsewhere) copy.place();
   record.path = fs::absolute(target).string();
   record.source = fs::absolute(source).string();
   record.bytes = fs::file_size(target);

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "scene/sha256.h"
@@ -192,8 +193,10 @@ std::string sha256_of_file(const fs::path& path) {
   if (!file) throw_bad_input(path, "", "cannot open", "check the path and its permissions");
   Sha256 sha;
   std::vector<char> buffer(size_t(1) << 20);
-  while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0)
+  while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0) {
     sha.update(buffer.data(), size_t(file.gcount()));
+    stop_if_requested();
+  }
   if (file.bad()) throw_bad_input(path, "", "reading failed", "check the disk");
   return sha.finish();
 }

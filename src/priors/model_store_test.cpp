@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "io/safetensors.h"
 #include "priors/http_download.h"
@@ -173,6 +174,19 @@ TEST_F(Models, ImportPutsAFileInPlace) {
   put(folder / "anything.bin");
   EXPECT_EQ(import_model_file(store(), model, folder / "anything.bin"), store().own_path(model, file()));
   EXPECT_TRUE(store().installed(model));
+}
+
+TEST_F(Models, AStoppedImportLeavesNothing) {
+  put(folder / "anything.bin");
+  request_stop();
+  EXPECT_THROW(import_model_file(store(), model, folder / "anything.bin"), Error);
+  clear_stop_request();
+  EXPECT_FALSE(store().installed(model));
+  size_t files = 0;
+  if (fs::exists(store().options().folder))
+    for (const auto& entry : fs::recursive_directory_iterator(store().options().folder))
+      files += entry.is_regular_file() && entry.path().filename() != ".lock";
+  EXPECT_EQ(files, 0u);
 }
 
 TEST_F(Models, ImportRefusesOtherWeights) {

@@ -12,6 +12,7 @@
 #include "io/resample.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture_text.h"
+#include "scene/not_a_scene.h"
 #include "scene/photo_lookup.h"
 #include "scene/photo_mask.h"
 
@@ -133,6 +134,7 @@ PhotoList list_photos(const fs::path& given) {
     list.unread = unread;
     return list;
   }
+  refuse_run_folder(given, given);
   if (!files.empty()) require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");
   throw_bad_input(
       list.folder, "",

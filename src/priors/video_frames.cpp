@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/error.h"
@@ -13,6 +12,7 @@
 #include "io/picture_format.h"
 #include "priors/child_process.h"
 #include "priors/frame_choice.h"
+#include "priors/video_probe.h"
 
 namespace aligngs {
 
@@ -38,50 +38,13 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
-struct VideoStream {
-  int width = 0, height = 0;  ///< pixels, as shown
-  double seconds = 0, frame_rate = 0;
-};
-
-double ratio_of(const std::string& text) {
-  double above = 0, below = 1;
-  if (std::sscanf(text.c_str(), "%lf/%lf", &above, &below) < 1 || !(below > 0)) return 0;
-  return above / below;
-}
-
-/// A quarter turn, from the display matrix or the older tag.
-bool is_turned(const nlohmann::json& stream) {
-  double degrees = 0;
-  if (stream.contains("tags") && stream["tags"].contains("rotate"))
-    degrees = std::atof(stream["tags"].value("rotate", "0").c_str());
-  for (const nlohmann::json& data : stream.value("side_data_list", nlohmann::json::array())) {
-    if (data.contains("rotation") && data["rotation"].is_number()) degrees = data["rotation"].get<double>();
-  }
-  return std::abs(std::remainder(degrees, 180.0)) > 45;
-}
-
 VideoStream stream_of(const fs::path& video, const fs::path& folder) {
   std::string text;
   const ChildResult result = run_child({"ffprobe", "-v", "error", "-select_streams", "v:0", "-show_streams",
                                         "-show_format", "-of", "json", video.string()},
                                        folder / "ffprobe.log", [&](const std::string& line) { text += line + "\n"; });
   if (result.status != 0) refuse(video, "ffprobe cannot read it: " + last_line(result.last_lines));
-  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
-  if (!document.is_object() || document.value("streams", nlohmann::json::array()).empty())
-    refuse(video, "it has no picture");
-  const nlohmann::json& stream = document["streams"][0];
-  VideoStream out;
-  out.width = stream.value("width", 0);
-  out.height = stream.value("height", 0);
-  if (is_turned(stream)) std::swap(out.width, out.height);
-  out.frame_rate = ratio_of(stream.value("avg_frame_rate", "0/1"));
-  const std::string seconds = stream.contains("duration")
-                                  ? stream.value("duration", "0")
-                                  : document.value("format", nlohmann::json::object()).value("duration", "0");
-  out.seconds = std::atof(seconds.c_str());
-  if (out.width < 3 || out.height < 3 || !(out.seconds > 0) || !(out.frame_rate > 0))
-    refuse(video, "its size, length or frame rate is missing");
-  return out;
+  return parse_video_probe(text, video);
 }
 
 /// A run of ffmpeg with progress; `filter` ends with what makes the frames.

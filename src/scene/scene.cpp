@@ -10,6 +10,7 @@
 #include "io/colmap.h"
 #include "scene/lens_model.h"
 #include "scene/mesh_ply.h"
+#include "scene/not_a_scene.h"
 #include "scene/photo_fit.h"
 #include "scene/photo_lookup.h"
 #include "scene/photo_mask.h"
@@ -368,10 +369,7 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   const fs::path labels = folder / "labels.csv";
   scene.labels = fs::exists(labels) ? read_label_csv(labels) : ade20k_labels();
 
-  if (fs::exists(folder / "transforms.json") && !may_hold_colmap_model(folder)) {
-    throw_bad_input(folder, "transforms.json", "this is a nerfstudio data set, not a scene yet",
-                    "turn it into one first: aligngs import " + given_folder.string() + " -o SCENE");
-  }
+  refuse_what_is_no_scene(folder, given_folder);
   const fs::path model_folder = find_colmap_folder(folder);
   const ColmapModel model = read_colmap_model(model_folder);
   scene.left_out = model.left_out;

@@ -23,6 +23,8 @@ json read_object(const std::filesystem::path& path) {
     value = json::parse(content);
   } catch (const json::parse_error& error) {
     throw_bad_input(path, "byte " + std::to_string(error.byte), "this is no valid JSON", "correct or remove the file");
+  } catch (const json::exception&) {
+    throw_bad_input(path, "", "a number in it is too large", "correct or remove the file");
   }
   if (!value.is_object()) throw_bad_input(path, "", "a JSON object expected", "correct or remove the file");
   return value;

@@ -33,6 +33,10 @@ TEST(SceneJson, AbsentFilesGiveTheDefaults) {
   EXPECT_FALSE(read_priors_json("/no/such/priors.json").kind);
 }
 
+TEST(SceneJson, ANumberThatNoMachineHoldsIsNamed) {
+  EXPECT_NE(message_of(read_scene_json, R"({"up": [0, 0, 1e999]})").find("too large"), std::string::npos);
+}
+
 TEST(SceneJson, WrittenSceneReadsBackEqual) {
   SceneJson scene;
   scene.metric = true;

@@ -92,6 +92,16 @@ HtmlParts html_parts(const EditSession& session, const RunExportOptions& options
 
 }  // namespace
 
+void refuse_missing_room(const std::filesystem::path& run) {
+  const RunFolder folder(run);
+  const bool labelled = std::filesystem::exists(folder.labelled_ply()) || !std::filesystem::exists(folder.scene_ply());
+  throw_bad_input(run / "room.json", "",
+                  std::string("this run has no description of its room, of which plans and measures are made") +
+                      (labelled ? "" : ", and was trained without semantics, which it needs"),
+                  labelled ? "make it with: aligngs room " + run.string()
+                           : std::string("train a scene that has segmentation_logits/"));
+}
+
 std::vector<std::string> formats_of_run(const std::filesystem::path& run) {
   std::vector<std::string> formats = run_export_formats();
   if (!std::filesystem::exists(run / "room.json")) std::erase_if(formats, is_plan);
@@ -108,11 +118,7 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   const std::optional<MeasuredRoom> measured =
       moves || is_plan(format) || options.error > 0 ? room_of(session.folder()) : std::nullopt;
   if (is_plan(format)) {
-    if (!measured) {
-      throw_bad_input(session.folder() / "room.json", "",
-                      "this run has no description of its room, of which a plan is drawn",
-                      "make it with: aligngs room " + session.folder().string());
-    }
+    if (!measured) refuse_missing_room(session.folder());
     write_plan(out.file, format, *measured);
     out.report = {.files = {out.file}, .objects = measured->boxes.size()};
     return out;

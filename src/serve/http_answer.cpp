@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/json_text.h"
+#include "io/text_encoding.h"
 #include "serve/request_rules.h"
 
 namespace aligngs {
@@ -55,9 +56,11 @@ HttpAnswer refusal(const Request& request, http::status status, std::string_view
 
 HttpAnswer refusal(const Request& request, const Error& error) {
   const bool theirs = error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kBadInput;
-  return json_answer(
-      request, theirs ? http::status::bad_request : http::status::internal_server_error,
-      {{"error", error.details().message}, {"remedy", error.details().remedy}, {"field", error.details().field}});
+  const std::string file = as_utf8(error.details().path.filename().string());  // the page knows the run's folder
+  return json_answer(request, theirs ? http::status::bad_request : http::status::internal_server_error,
+                     {{"error", (file.empty() ? "" : file + ": ") + error.details().message},
+                      {"remedy", error.details().remedy},
+                      {"field", error.details().field}});
 }
 
 HttpAnswer download_answer(const Request& request, Download download) {

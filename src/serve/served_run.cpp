@@ -34,7 +34,13 @@ class RunDescriptions {
     if (json_depth(*text) > kDeepestFile)
       return problem(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
     Json json = parse_json(*text);
-    return json.is_discarded() ? Json() : json;  // a file that is being replaced
+    if (json.is_discarded()) return problem(name + " is no JSON");  // files of a run take their place whole
+    return json;
+  }
+  /// read() of a file that is a JSON object.
+  Json object(const fs::path& root, const std::string& name) {
+    Json json = read(root, name);
+    return json.is_null() || json.is_object() ? json : problem(name + " is no JSON object");
   }
   /// The views and measurements of page.json; null without any.
   Json notes(const fs::path& root) {
@@ -130,20 +136,9 @@ Json stages_of(const fs::path& root, const Json& run, bool active) {
   return stages;
 }
 
-/// Why edits, pictures and exports are not there for this run; null when they are.
-Json why_not_editable(const fs::path& root, bool active) {
-  if (active) return "the run is still being made";
-  if (!has_file(root, "scene.ply")) {
-    return has_folder(root, "checkpoints")
-               ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
-               : "nothing has been trained yet";
-  }
-  return nullptr;
-}
-
 }  // namespace
 
-ServedRun::ServedRun(const fs::path& path, bool expect_run) {
+ServedRun::ServedRun(const fs::path& path, bool expect_run, fs::path scene) : moved_scene_(std::move(scene)) {
   std::error_code error;
   const fs::path found = fs::canonical(path, error);
   const auto refuse = [&](const char* what) {
@@ -163,10 +158,28 @@ ServedRun::ServedRun(const fs::path& path, bool expect_run) {
 
 fs::path ServedRun::scene_folder() const {
   const Json scene = field(RunDescriptions().read(root_, "run.json"), "scene");
-  if (!scene.is_string()) return {};
+  if (moved_scene_.empty() && !scene.is_string()) return {};
   std::error_code error;
-  const fs::path found = fs::canonical(root_ / scene.get<std::string>(), error);
+  const fs::path found = fs::canonical(moved_scene_.empty() ? root_ / scene.get<std::string>() : moved_scene_, error);
   return error ? fs::path() : found;
+}
+
+Json ServedRun::why_not_editable(const Json& record, bool active) const {
+  if (active) return "the run is still being made";
+  if (!has_file(root_, "scene.ply")) {
+    return has_folder(root_, "checkpoints")
+               ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
+               : "nothing has been trained yet";
+  }
+  if (!record.is_object()) return "run.json, the record of the run, is missing or damaged";
+  if (field(record, "scene").is_string() && scene_folder().empty())
+    return "the scene of this run is not where run.json says: `aligngs view RUN --scene DIR` names its new place";
+  for (const char* name : {"edits.json", "selections.json"}) {
+    RunDescriptions descriptions;
+    descriptions.object(root_, name);
+    if (!descriptions.problems().empty()) return descriptions.problems().front();
+  }
+  return nullptr;
 }
 
 std::string ServedRun::state() const {
@@ -184,9 +197,8 @@ std::string ServedRun::state() const {
   }
   state["name"] = root_.filename().string();
   RunDescriptions descriptions;
-  const Json run = descriptions.read(root_, "run.json");
+  const Json run = descriptions.object(root_, "run.json");
   for (const char* name : {"status", "stage", "train"}) state[name] = field(run, name);
-  if (run.is_null()) state["status"] = "starting";
   const bool active = RunControl(root_).active();
   state["active"] = active;
   state["stages"] = stages_of(root_, run, active);
@@ -194,6 +206,7 @@ std::string ServedRun::state() const {
   for (const char* name : {"scene.labels.ply", "scene.ply"}) {
     if (trained.empty() && has_file(root_, name)) trained = name;
   }
+  if (run.is_null()) state["status"] = trained.empty() || active ? "starting" : "unknown";
   const bool live = active && has_file(root_, "live/scene.ply");
   if (live) {
     state["splats"] = "live/scene.ply";
@@ -201,10 +214,10 @@ std::string ServedRun::state() const {
     state["splats"] = trained;
   }
   if (has_file(root_, "mesh/mesh.ply")) state["mesh"] = "mesh/mesh.ply";
-  state["not_editable"] = why_not_editable(root_, active);
+  state["not_editable"] = why_not_editable(run, active);
   state["editable"] = state["not_editable"].is_null();
   state["drawable"] = state["editable"].get<bool>() && has_folder(root_, "checkpoints");
-  const Json edits = field(descriptions.read(root_, "edits.json"), "edits");
+  const Json edits = field(descriptions.object(root_, "edits.json"), "edits");
   if (!live && state["editable"].get<bool>() && edits.is_array() && !edits.empty()) {
     state["edited"] = true;
     state["edits"] = file_version(root_ / "edits.json");
@@ -213,15 +226,16 @@ std::string ServedRun::state() const {
   state["version"] =
       file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
-  state["classes"] = field(descriptions.read(root_, "classes.json"), "classes");
+  state["classes"] = field(descriptions.object(root_, "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
   state["cameras"] = descriptions.read(root_, "cameras.json");
   state["views"] = rendered_views(root_);
   state["report"] = has_file(root_, "report.html");
-  if (has_file(root_, "room.json")) state["room"] = "room.json";
+  if (!descriptions.object(root_, "room.json").is_null()) state["room"] = "room.json";
+  for (const char* name : {"metrics.json", "selections.json"}) descriptions.object(root_, name);
   state["notes"] = descriptions.notes(root_);
   if (!scene.empty()) {
-    const Json description = descriptions.read(scene, "scene.json");
+    const Json description = descriptions.object(scene, "scene.json");
     state["up"] = field(description, "up");
     state["units"] = field(description, "units");
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,8 +16,9 @@ namespace aligngs {
 /// A run folder, or a single PLY file. Read afresh at every request, so that a run in progress shows its progress.
 class ServedRun {
  public:
-  /// Error{kBadInput} when it is neither. With `expect_run` any folder will do: a run is about to begin in it.
-  explicit ServedRun(const std::filesystem::path& path, bool expect_run = false);
+  /// Error{kBadInput} when it is neither. With `expect_run` any folder will do: a run is about to begin in it. `scene`
+  /// is the new place of a scene that was moved; empty: as run.json says.
+  explicit ServedRun(const std::filesystem::path& path, bool expect_run = false, std::filesystem::path scene = {});
 
   const std::filesystem::path& folder() const { return root_; }
 
@@ -33,8 +35,8 @@ class ServedRun {
   /// | "waiting"}. "up" is the unit up vector or null. "views" tells per picture name which renders exist. "room" is
   /// the path
   /// of room.json or null. "notes" are the views and measurements of page.json (page_notes.h) or null. "start" is where the page begins (start_pose.h) or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files
-  /// that are
-  /// too large or nested too deeply. Unreadable parts (a file that is being replaced) are null.
+  /// that are too large, nested too deeply or no JSON object; their parts are null. "status" is the one of run.json,
+  /// "starting" before there is one, and "unknown" for splats without a record of their run.
   std::string state() const;
 
   /// Addresses that a page asks for first, so that a browser may fetch them while it reads the page. They are the state
@@ -58,9 +60,12 @@ class ServedRun {
 
  private:
   std::filesystem::path scene_folder() const;
+  /// Why edits, pictures and exports are not there for this run; null when they are. `record` is its run.json.
+  nlohmann::json why_not_editable(const nlohmann::json& record, bool active) const;
 
   std::filesystem::path root_;  ///< canonical
   std::string only_;            ///< name of the single file; empty for a run
+  std::filesystem::path moved_scene_;
 };
 
 }  // namespace aligngs

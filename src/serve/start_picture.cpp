@@ -30,8 +30,9 @@ GetAnswer no_picture() {
 
 }  // namespace
 
-StartPicture::StartPicture(const std::filesystem::path& run, bool expect_run, int threads)
-    : run_(run, expect_run), threads_(threads) {
+StartPicture::StartPicture(const std::filesystem::path& run, bool expect_run, const std::filesystem::path& scene,
+                           int threads)
+    : run_(run, expect_run, scene), threads_(threads) {
   work_ = std::jthread([this] {
     if (const auto now = subject()) draw(*now);
     drawing_ = false;

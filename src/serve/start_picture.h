@@ -18,8 +18,8 @@ namespace aligngs {
 /// From the start pose, 1056 x 704 pixels and 80 degrees high: what a wide or a tall page shows of it is a part.
 class StartPicture {
  public:
-  /// Begins to draw, on a thread of its own. `threads` draw; 0: all. Errors as ServedRun's.
-  StartPicture(const std::filesystem::path& run, bool expect_run, int threads);
+  /// Begins to draw, on a thread of its own. `scene` as ServedRun's. `threads` draw; 0: all. Errors as ServedRun's.
+  StartPicture(const std::filesystem::path& run, bool expect_run, const std::filesystem::path& scene, int threads);
   ~StartPicture();
   StartPicture(const StartPicture&) = delete;
   StartPicture& operator=(const StartPicture&) = delete;

@@ -43,7 +43,7 @@ class StartPictureOfARun : public testing_support::ViewServerTest {
     service_.reset();
   }
   void begin(ViewServerOptions& options) {
-    service_ = std::make_unique<StartPicture>(options.run, false, 1);
+    service_ = std::make_unique<StartPicture>(options.run, false, std::filesystem::path(), 1);
     service_->serve(options);
   }
   /// Asks until there is a picture; the last answer after some seconds.

@@ -49,7 +49,9 @@ struct ViewServer::State {
   HandlerThreads threads;  // last: handlers end before the connections they answer
 
   explicit State(ViewServerOptions given)
-      : options(std::move(given)), run(options.run, options.expect_run), slots(options.limits.connections) {
+      : options(std::move(given)),
+        run(options.run, options.expect_run, options.scene),
+        slots(options.limits.connections) {
     listen();
   }
 

@@ -34,6 +34,7 @@ struct ServerLimits {
 
 struct ViewServerOptions {
   std::filesystem::path run;                ///< run folder or .ply file
+  std::filesystem::path scene;              ///< new place of the run's scene; empty: as run.json says
   bool expect_run = false;                  ///< the folder exists and will become a run
   uint16_t port = 0;                        ///< 0: the first free one from 7860 on, otherwise exactly this
   std::vector<std::string> allowed_hosts;   ///< names accepted in the Host header besides this machine's

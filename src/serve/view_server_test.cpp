@@ -1,6 +1,7 @@
 // The server as a browser sees it, and as an attacker does. Plain sockets, so that every byte is ours.
 #include "serve/view_server.h"
 
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
@@ -245,6 +246,48 @@ TEST_F(ViewServerTest, FilesThatAreNestedTooDeeplyAreNamed) {
   const auto state = parse_json(body(get("/api/state")));
   EXPECT_TRUE(state["cameras"].is_null());
   EXPECT_EQ(state["problems"][0], "cameras.json is nested deeper than 32 levels");
+}
+
+/// Files of a run take their place whole, so that one that is no JSON is damaged.
+TEST_F(ViewServerTest, DamagedFilesAreNamedAndTheirPartsAreAbsent) {
+  for (const char* name : {"room.json", "metrics.json", "selections.json", "edits.json", "cameras.json"}) {
+    write(std::string("run/") + name, "{\"a\": [1,");
+    const auto state = parse_json(body(get("/api/state")));
+    EXPECT_EQ(state["problems"], nlohmann::json::array({std::string(name) + " is no JSON"})) << name;
+    EXPECT_TRUE(state["room"].is_null()) << name;
+    fs::remove(base_ / "run" / name);
+  }
+  write("run/room.json", "[1, 2]");
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["problems"][0], "room.json is no JSON object");
+  EXPECT_TRUE(state["room"].is_null());
+}
+
+TEST_F(ViewServerTest, ARunThatCannotBeOpenedIsNotOfferedForEdits) {
+  EXPECT_EQ(parse_json(body(get("/api/state")))["editable"], true);
+  write("run/edits.json", "[");
+  EXPECT_EQ(parse_json(body(get("/api/state")))["not_editable"], "edits.json is no JSON");
+  fs::remove(base_ / "run" / "edits.json");
+  fs::rename(base_ / "run" / "scene", base_ / "elsewhere");
+  auto state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["editable"], false);
+  EXPECT_THAT(state["not_editable"].get<std::string>(), testing::HasSubstr("--scene DIR"));
+  fs::remove(base_ / "run" / "run.json");
+  state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["status"], "unknown") << "nothing is starting here";
+  EXPECT_THAT(state["not_editable"].get<std::string>(), testing::HasSubstr("run.json"));
+}
+
+TEST_F(ViewServerTest, AMovedSceneGivesItsPhotosAndUnits) {
+  fs::rename(base_ / "run" / "scene", base_ / "elsewhere");
+  EXPECT_EQ(status(get("/api/photo/view_000")), 404);
+  stop();
+  options_.scene = base_ / "elsewhere";
+  start();
+  EXPECT_EQ(status(get("/api/photo/view_000")), 200);
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["units"], "metres");
+  EXPECT_EQ(state["editable"], true);
 }
 
 TEST_F(ViewServerTest, ARunWithoutCheckpointsIsEditedButNotDrawn) {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "io/output_place.h"
+#include "train/replaceable_file.h"
 #include "train/run_record.h"
 
 namespace aligngs {
@@ -40,6 +41,13 @@ void remove_temporaries(const fs::path& folder) {
 
 bool RunFolder::has_run() const { return is_run_record(record()); }
 
+bool RunFolder::wrote(const fs::path& file) const {
+  return lies_within(file, folder_ / kSceneFolder) ||
+         std::any_of(kProducts.begin(), kProducts.end(), [&](std::string_view product) {
+           return product != kExport && lies_within(file, folder_ / product);
+         });
+}
+
 void RunFolder::check(RunMode mode) const {
   std::error_code error;
   if (!fs::exists(folder_, error)) return;
@@ -69,18 +77,15 @@ void RunFolder::require_apart_from(const fs::path& source) const {
 }
 
 void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) const {
-  std::vector<fs::path> owned = {folder_ / kSceneFolder};
+  std::vector<fs::path> owned;
   if (!scene.empty()) owned.push_back(scene);
   if (has_run()) {
     const RunRecord run = read_run_record(record());
     if (!run.scene.empty()) owned.push_back(scene_of_run(folder_, run));
   }
-  for (const std::string_view product : kProducts) {
-    if (product != kExport) owned.push_back(folder_ / product);
-  }
-  const bool own =
-      std::any_of(owned.begin(), owned.end(), [&](const fs::path& place) { return lies_within(file, place); });
-  if (!own) return;
+  const bool own = wrote(file) || std::any_of(owned.begin(), owned.end(),
+                                              [&](const fs::path& place) { return lies_within(file, place); });
+  if (!own) return require_replaceable(file);
   throw Error({ErrorKind::kUsage, "this file belongs to the run or to its scene: it is never replaced", file, "output",
                "name another file"});
 }

@@ -28,6 +28,8 @@ class RunFolder {
   std::filesystem::path transforms() const { return folder_ / "transforms.json"; }
 
   bool has_run() const;  ///< it holds a run.json that this program wrote
+  /// Whether `file` is of a training or its stages here, or lies in RUN/scene. Files of `export` are not.
+  bool wrote(const std::filesystem::path& file) const;
 
   /// Applies the rules of the mode without changing anything; call before long checks. Error{kUsage} when
   /// the folder holds a run and the mode is kNew, or holds files that are not a run's.
@@ -36,7 +38,8 @@ class RunFolder {
   /// lies in `source`, or `source` lies in a folder that a run writes. RUN/scene is no such place.
   void require_apart_from(const std::filesystem::path& source) const;
   /// Error{kUsage} where `file` is of the run's training or stages, or lies in its scene. The scene is RUN/scene, the
-  /// one of run.json, or `scene`, which may be empty. Files of `export` may be replaced.
+  /// one of run.json, or `scene`, which may be empty. Files of `export` may be replaced. Files of other runs, scenes and
+  /// data sets may not (replaceable_file.h).
   void require_not_of_run(const std::filesystem::path& file, const std::filesystem::path& scene = {}) const;
   /// check(), then creates the folder, removes a previous run (kOverwrite) and temporary files of killed writers.
   void prepare(RunMode mode) const;

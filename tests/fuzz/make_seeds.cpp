@@ -2,9 +2,13 @@
 #include <cstdio>
 
 #include "core/error.h"
+#include "edit/edit_change_file.h"
+#include "io/exif_focal_length.h"
 #include "io/valid_files_for_tests.h"
 #include "io/zip_archive.h"
 #include "io/zip_writer.h"
+#include "room/room_json.h"
+#include "room/sample_room_for_tests.h"
 #include "split_input.h"
 
 namespace aligngs {
@@ -58,6 +62,20 @@ void make_seeds(const std::filesystem::path& out) {
       "fuzz_camera_path", "keys.json",
       R"({"format": "aligngs camera path", "version": 1, "keys": [{"time": 0, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62},
     {"time": 2.5, "eye": [1, 1.5, -1], "target": [0, 1, 0]}, {"time": 4, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62}]})");
+  seed("fuzz_exif", "focal", exif_with_focal_35mm(28));
+  seed("fuzz_room_json", "sample", room_json(sample_room::make()));
+  seed("fuzz_scene_json", "scene",
+       R"({"units": "metres", "up": [0, -1, 0], "to_original": {"scale": 2, "translation": [1, 2, 3]}})");
+  seed("fuzz_scene_json", "split", R"({"train": ["a", "b"], "test": ["c"]})");
+  seed("fuzz_scene_json", "priors", R"({"depth": {"model": "m", "scale": "metres"}, "semantics": {"kind": "scores"}})");
+  seed("fuzz_scene_json", "exposure", R"({"log_gains": {"a": [0.1, 0, -0.2]}})");
+  seed(
+      "fuzz_page_notes", "views",
+      R"({"format": "aligngs page", "version": 1, "views": [{"name": "bed", "eye": [1, 2, 3], "target": [0, 0, -1]}]})");
+  EditChange change;
+  change.number = 1;
+  change.removed = {row_of_edit(0, 3), row_of_edit(0, 4)};
+  seed("fuzz_edit_change", "removal", encode_change(change));
   std::filesystem::remove_all(scratch);
 }
 

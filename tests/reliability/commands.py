@@ -14,7 +14,10 @@ from pathlib import Path
 PROGRAM = os.environ.get("ALIGNGS", str(Path(__file__).resolve().parents[2] / "build" / "aligngs"))
 # Figures of a run that depend on the clock, and names of folders. Checkpoints hold the seconds spent.
 CLOCKED = ("seconds", "time", "wall", "peak", "memory", "_ms", "per_second", "date", "created", "folder", "command", "resumed", "rate", "host", "pid")
-NOT_COMPARED = ("events.ndjson", "report.html", "run.json", "train.log", "control", "checkpoints", "results.html", "results.json", "logs", "records", "leases")
+NOT_COMPARED = ("events.ndjson", "model.safetensors.json", "report.html", "run.json", "train.log", "control", "checkpoints", "results.html", "results.json", "logs", "records", "leases")
+
+
+PREPARED = [None]  # the folder that prepare() has made
 
 
 class Command:
@@ -95,7 +98,7 @@ COMMANDS = [
     Command("manual", ["manual", "made"], ["made"]),
     Command("poses da3", ["poses", "room/images", "--method", "da3", "--poses-model", "da3-small", "--metres", "none", "-o", "made"], ["made"], "--overwrite", needs_weights=True),
     Command("priors", ["priors", "plain", "-o", "made", "--semantics", "linear-s", "--depth", "none"], ["made"], "--overwrite", needs_weights=True),
-    Command("models import", ["models", "import", "da3-small", "models/da3-small/model.safetensors"], ["imported"], needs_weights=True),
+    Command("models import", ["models", "import", "da3-small", "PREPARED/models/da3-small/model.safetensors"], ["imported"], needs_weights=True),
 ]
 
 
@@ -134,6 +137,8 @@ def temporary_files(folder):
 def start(folder, arguments, quiet=True):
     models = "imported" if arguments[0] == "models" else "models"
     environment = {**os.environ, "ALIGNGS_MODELS": str(folder / models), "HF_HOME": str(folder / "no"), "TORCH_HOME": str(folder / "no")}
+    # Weights lie outside of the disturbed folder: on one file system they would be linked, and write nothing.
+    arguments = [argument.replace("PREPARED", str(PREPARED[0])) for argument in arguments]
     return subprocess.Popen([PROGRAM, *arguments, *(["-q"] if quiet else [])], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                             env=environment)
 
@@ -180,7 +185,7 @@ def write_transforms(prepared):
 
 def prepare(output, size=None, iterations=100):
     """A folder with a scene (`room`), the same as other data sets, two trained runs, a list of rooms and a finished batch."""
-    prepared = output / "prepared"
+    prepared = PREPARED[0] = output / "prepared"
     if (prepared / "ready").exists():
         return prepared
     shutil.rmtree(prepared, ignore_errors=True)

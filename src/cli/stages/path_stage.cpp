@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "gaussians/soft_labels.h"
+#include "io/drawn_picture.h"
 #include "io/folder_replacement.h"
 #include "io/image_file.h"
 #include "io/output_place.h"
@@ -141,8 +142,8 @@ PathPictures render_path(LoadedRun& run, const PathStageOptions& options) {
       throw_usage(fmt::format("--at {} is not on the way, which takes {:.3g} s", options.at, path.duration()));
     }
     const CameraKey key = key_at(path, path.begin() + options.at);
-    write_png(options.output,
-              picture_of(run, camera_of(key, up_of(run.scene()), options.size.width, options.size.height)));
+    write_drawn_picture(options.output,
+                        picture_of(run, camera_of(key, up_of(run.scene()), options.size.width, options.size.height)));
     return out;
   }
   const double frames = std::floor(path.duration() * options.frames_per_second) + 1;
@@ -185,7 +186,7 @@ void render_view_picture(LoadedRun& run, const std::string& view, const PictureS
   camera.fy *= scale;
   camera.width = size.width;
   camera.height = size.height;
-  write_png(file, picture_of(run, camera));
+  write_drawn_picture(file, picture_of(run, camera));
 }
 
 }  // namespace aligngs

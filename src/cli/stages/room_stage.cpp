@@ -10,6 +10,7 @@
 #include "edit/edit_session.h"
 #include "edit/export/object_meshes.h"
 #include "room/room_json.h"
+#include "serve/export_file.h"
 #include "train/opened_run.h"
 #include "train/rendered_view.h"
 #include "train/training_set.h"
@@ -105,10 +106,7 @@ MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects) {
 
 MeasuredRoom read_run_room(const std::filesystem::path& run) {
   require_run_folder(run);
-  if (!std::filesystem::exists(run / "room.json")) {
-    throw_bad_input(run / "room.json", "", "this run has no description of its room",
-                    "make it with: aligngs room " + run.string());
-  }
+  if (!std::filesystem::exists(run / "room.json")) refuse_missing_room(run);
   return read_room(run / "room.json");
 }
 

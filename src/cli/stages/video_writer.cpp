@@ -17,6 +17,7 @@
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
 #include "io/atomic_file.h"
+#include "io/drawn_picture.h"
 #include "io/output_place.h"
 #include "priors/child_process.h"
 
@@ -61,6 +62,8 @@ std::vector<std::string> command_of(const fs::path& file, int width, int height,
           "yuv420p",
           "-movflags",
           "+faststart",
+          "-metadata",
+          std::string("comment=") + kDrawnMark,
           "-f",
           "mp4",
           file.string()};

@@ -59,6 +59,8 @@ std::vector<std::string> read_name_list(const fs::path& file) {
       line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
     }
   }
+  if (names.empty())
+    throw_bad_input(file, "names", "this list names no frame", "write one name a line, or leave the list out");
   return names;
 }
 

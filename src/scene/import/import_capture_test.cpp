@@ -185,6 +185,13 @@ TEST_F(ImportCaptureTest, ListsAreSplitAtLineEndsAndCommas) {
   EXPECT_THAT(read_name_list(folder / "list.txt"), ElementsAre("a b.jpg", "c", "d", "e"));
 }
 
+TEST_F(ImportCaptureTest, AListWithoutNamesIsRefused) {
+  for (const char* text : {"", "# nothing\n", " , ,\r\n"}) {
+    write_file_atomically(folder / "list.txt", text);
+    EXPECT_THROW(read_name_list(folder / "list.txt"), Error) << text;
+  }
+}
+
 TEST_F(ImportCaptureTest, AWorldFarFromItsOriginIsMovedInDoublePrecision) {
   for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) photo(name);
   const Vec3d map{4.5e6, 5.6e6, 300};

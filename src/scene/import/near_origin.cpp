@@ -2,6 +2,7 @@
 // d / 2^24.
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "core/log.h"
 #include "scene/import/capture_frames.h"
@@ -69,11 +70,13 @@ void place_near_origin(Capture& capture) {
   back.scale = 1 / scale;
   back.translation = shift;
   capture.to_original = back;
+  std::string done;
+  if (far) done = fmt::format("moved by ({:.6g}, {:.6g}, {:.6g})", -shift.x, -shift.y, -shift.z);
+  if (scale != 1) done += fmt::format("{}scaled by {:g}", far ? " and " : "", scale);
   capture.notes.push_back(fmt::format(
-      "the world was moved by ({:.6g}, {:.6g}, {:.6g}) and scaled by {:g}; its cameras are at about ({:.6g}, {:.6g}, "
-      "{:.6g}) "
-      "and spread over {:.3g}; to_original in scene.json undoes it",
-      -shift.x, -shift.y, -shift.z, scale, place.middle.x, place.middle.y, place.middle.z, 2 * place.extent));
+      "the world was {}; its cameras are at about ({:.6g}, {:.6g}, {:.6g}) and spread over {:.3g}; to_original in "
+      "scene.json undoes it",
+      done, place.middle.x, place.middle.y, place.middle.z, 2 * place.extent));
 }
 
 }  // namespace aligngs

@@ -1,0 +1,66 @@
+#include "train/replaceable_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "core/error.h"
+#include "io/drawn_picture.h"
+#include "io/output_place.h"
+#include "scene/import/capture.h"
+#include "scene/scene_place.h"
+#include "train/run_folder.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNothingElse = ": nothing else is written there";
+constexpr int kLevels = 4;  // folders above a file: a data set's deepest files lie in D/colmap/sparse/0/
+
+bool is_one_of(std::string ending, std::initializer_list<std::string_view> endings) {
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+/// Folders in which layouts of captures have their data.
+bool holds_captured_data(const fs::path& folder) {
+  const std::string name = folder.string();
+  if (name.starts_with("images") || name.starts_with("depth") || name.starts_with("seq-")) return true;
+  return is_one_of(name, {"sparse", "colmap", "poses", "pose", "color", "rgb", "intrinsic", "results", "keyframes",
+                          "masks", "pred_depths", "pred_confidence", "segmentation_logits", "truth"});
+}
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& what) {
+  throw Error({ErrorKind::kUsage, what, file, "output", "name another file"});
+}
+
+}  // namespace
+
+void require_replaceable(const fs::path& file) {
+  std::error_code error;
+  const bool there = fs::is_regular_file(file, error);
+  const std::string ending = file.extension().string();
+  if (there && is_one_of(ending, {".png", ".jpg", ".jpeg", ".webp", ".mp4", ".mov"}) && !has_drawn_mark(file))
+    refuse(file, "this picture or video was not drawn by aligngs: it is never replaced");
+  const fs::path place = real_place(file);
+  fs::path folder = place.parent_path();
+  for (int level = 0; level < kLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {
+    const RunFolder run(folder);
+    if (run.has_run()) {  // its transforms.json and sparse/ make no data set of it
+      if (run.wrote(place)) refuse(file, "this place belongs to the run " + folder.string() + kNothingElse);
+      continue;
+    }
+    if (is_own_scene(folder)) refuse(file, "this place belongs to the scene " + folder.string() + kNothingElse);
+    const fs::path first = *place.lexically_relative(folder).begin();
+    const bool owned = level > 0 ? there || holds_captured_data(first)
+                                 : there && is_one_of(ending, {".ply", ".obj", ".json", ".txt", ".csv"});
+    if (owned && recognise_layout(folder) != nullptr)
+      refuse(file, "this place belongs to the data set " + folder.string() + kNothingElse);
+  }
+}
+
+}  // namespace aligngs
