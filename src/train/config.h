@@ -29,6 +29,8 @@ struct DataConfig {
   std::string ignore;                ///< classes whose pixels are left out, with commas (scene/ignored_classes.h)
   bool semantics = true;             ///< use segmentation_logits/ when every training view has them
   bool sensor_exposure = false;      ///< `run`: measure exposures from depth of a sensor, or given depth
+  bool sensor_cameras = false;       ///< `run`: correct the cameras that come with depth of a sensor
+  bool clean_depth = false;          ///< and leave out pixels of that depth that mix two surfaces
   bool fill_depth = false;           ///< and fill holes of that depth by stereo
   bool refine_exposure = false;      ///< `run` and `demo`: measure the photos' exposures there
   bool exposure = false;             ///< undo what exposure.json says of the photos' exposures

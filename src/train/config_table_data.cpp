@@ -34,6 +34,11 @@ std::vector<ConfigKey> data_init_train_keys() {
        "with data.refine_cameras: measure how the photos' exposures and white balances differ"},
       {"data.sensor_exposure", field<&C::data, &DataConfig::sensor_exposure>, 0, 0, value(true),
        "`aligngs run` measures exposures where a sensor made the depth, or it was given; cameras stay"},
+      {"data.sensor_cameras", field<&C::data, &DataConfig::sensor_cameras>, 0, 0, value(true),
+       "`aligngs run` corrects cameras that come with a sensor's depth, where matches then agree much better"},
+      {"data.clean_depth", field<&C::data, &DataConfig::clean_depth>, 0, 0, value(false),
+       "`aligngs run` leaves out pixels of a sensor's depth that mix two surfaces, and lowers the confidence of black, "
+       "glancing and corner pixels"},
       {"data.fill_depth", field<&C::data, &DataConfig::fill_depth>, 0, 0, value(false),
        "`aligngs run` fills holes in such depth by multi-view stereo, where another photo confirms it"},
       {"data.exposure", field<&C::data, &DataConfig::exposure>, 0, 0, value(true),
