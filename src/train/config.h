@@ -48,6 +48,7 @@ struct InitConfig {
   double scale_max = 0;            ///< largest initial scale / E; 0 = none
   int64_t max_gaussians = 0;       ///< N0 is thinned to this many
   double gaussians_per_pixel = 0;  ///< and to this many per pixel of the largest training view; 0 = no such limit
+  bool far_shell = false;          ///< and of a sensor's: points behind the room where it measured nothing
   int64_t random_count = 0;        ///< points of a random start
 };
 

@@ -72,6 +72,9 @@ std::vector<ConfigKey> data_init_train_keys() {
        "smallest / other initial scales of a cloud with normals; without normals the start is isotropic"},
       {"init.voxel_footprints", field<&C::init, &InitConfig::voxel_footprints>, 0.1, 100, value(1.2),
        "edge of the thinning cubes of the depth start, in pixel footprints at the median depth"},
+      {"init.far_shell", field<&C::init, &InitConfig::far_shell>, 0, 0, value(false),
+       "with depth of a sensor: start a far background behind the room where no depth was measured; the mesh leaves it "
+       "out"},
       {"init.scale_max", field<&C::init, &InitConfig::scale_max>, 0, kAny, value(0.05),
        "largest initial scale / extent; 0 = none"},
       {"init.max_gaussians", field<&C::init, &InitConfig::max_gaussians>, 1, 1e8, value(250000),

@@ -227,7 +227,7 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   }
   const int64_t limit = start_limit(config_, pixels);
   const StartInputs start_inputs{config_,  views, scales,  scene_.cloud, use_.depth,
-                                 channels, limit, extent_, *pool_};
+                                 channels, limit, extent_, *pool_,       is_sensor_depth(scene_.prior_source)};
   StartModel begun =
       make_start_model(start_inputs, random_of(static_cast<uint64_t>(config_.train.seed), RandomPurpose::kStart));
   if (config_.densify.morton_order) sort_by_morton(begun.model);
