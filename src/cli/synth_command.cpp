@@ -103,7 +103,7 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
     require_scene_place(*output, *overwrite);
     const SynthOptions synth = synth_options(*options);
     // Before the pictures are made, which takes a while: a name that the room has not.
-    const RoomModel room = build_room({synth.room, synth.seed, synth.glossy});
+    const RoomModel room = build_room({synth.room, synth.seed, synth.glossy, synth.strong_gloss});
     for (const std::string& text : *without) parse_removal(room, text);
     const SynthScene scene = make_scene(synth, context);
     ThreadPool pool(context.global.threads);

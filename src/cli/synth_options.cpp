@@ -30,6 +30,10 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
       ->check(CLI::IsMember({"photo", "walk"}))
       ->capture_default_str()
       ->group("Room");
+  command
+      .add_flag("--gloss", synth.strong_gloss,
+                "polished floor, dark polished tables, screens that reflect, a mirror, and windows with a view outside")
+      ->group("Room");
   command.add_option("--size", options->size, "image size WxH (default 320x240)")->group("Room");
   command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, camera path and teachers")
       ->capture_default_str()

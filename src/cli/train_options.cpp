@@ -59,7 +59,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
 void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
   const auto set = [options](const char* value) {
     return [options, value](int64_t) {
-      for (const char* key : {"data.refine_cameras=", "data.measure_depth="})
+      for (const char* key : {"data.refine_cameras=", "data.measure_depth=", "data.sensor_cameras="})
         options->refine_sets.push_back(std::string(key) + value);
     };
   };

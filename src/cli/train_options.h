@@ -26,7 +26,7 @@ struct TrainCommandOptions {
 /// Adds -n, --preset, --config, --set, --seed, --resume, --overwrite, --device, ... to a command.
 void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options);
 
-/// --refine and --no-refine, short for data.refine_cameras.
+/// --refine and --no-refine, short for data.refine_cameras, data.measure_depth and data.sensor_cameras.
 void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options);
 
 /// Error{kUsage} for contradictions, Error{kResources} for a device that this program has not.

@@ -103,8 +103,7 @@ Decision decide_refine(const Scene& scene, const TrainConfig& config) {
   if (is_refined_scene(scene.folder)) return no("the scene is refined already");
   if (scene.prior_source == kStereoDepth) return no("depth was measured with these very cameras");
   if (is_sensor_depth(scene.prior_source)) {
-    return no("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)",
-              Notice::kInfo);
+    return no("cameras that come with a sensor's depth are checked, and corrected where that helps");
   }
   const PriorUse use = decide_prior_use(scene, config);
   if (use.depth != PriorDepthKind::kMetric || use.placement.placed() < use.placement.views.size()) {
@@ -116,11 +115,24 @@ Decision decide_refine(const Scene& scene, const TrainConfig& config) {
   return allowed;
 }
 
+namespace {
+
+/// Work on the depth of a sensor, or on given depth.
+bool completes_any_depth(const TrainConfig& config) {
+  return (config.data.exposure && config.data.sensor_exposure) || config.data.fill_depth;
+}
+
+Decision completion_left_out() {
+  return no("the settings leave it out (data.sensor_exposure, data.sensor_cameras, data.clean_depth, data.fill_depth)");
+}
+
+}  // namespace
+
 Decision may_complete(const TrainConfig& config) {
-  const bool wanted = (config.data.exposure && config.data.sensor_exposure) || config.data.fill_depth;
-  if (!wanted) return no("the settings leave it out (data.sensor_exposure, data.fill_depth)");
+  if (!completes_any_depth(config) && !config.data.sensor_cameras && !config.data.clean_depth)
+    return completion_left_out();
   if (!wants_metric_depth(config)) return no("the settings use no such depth (data.prior_depth)");
-  return yes("depth of a sensor, or given depth: exposures are measured, and holes are filled");
+  return yes("depth of a sensor, or given depth: cameras are checked, exposures are measured, and holes are filled");
 }
 
 Decision decide_complete(const Scene& scene, const TrainConfig& config) {
@@ -131,6 +143,7 @@ Decision decide_complete(const Scene& scene, const TrainConfig& config) {
     return no("the depth is neither of a sensor nor given");
   if (fs::exists(scene.folder / "exposure.json") || is_refined_scene(scene.folder))
     return no("the scene has that already");
+  if (!is_sensor_depth(scene.prior_source) && !completes_any_depth(config)) return completion_left_out();
   return decision;
 }
 

@@ -5,7 +5,9 @@
 #include "core/error.h"
 #include "io/folder_replacement.h"
 #include "io/npy.h"
+#include "io/resample.h"
 #include "refine/scene_copy.h"
+#include "refine/sensor_maps.h"
 #include "refine/usable_views.h"
 #include "scene/confidence_file.h"
 #include "scene/corners.h"
@@ -24,17 +26,21 @@ struct LoadedPhotos {
   std::vector<ImageF> color, mask;
 };
 
+ViewData load_small(const Scene& scene, int view, int largest_width, bool depth) {
+  LoadOptions load;
+  load.semantics = false;
+  load.prior_depth = depth;
+  load.scale = std::min(1.0, static_cast<double>(largest_width) / scene.views[static_cast<size_t>(view)].camera.width);
+  return load_view(scene, view, load);
+}
+
 LoadedPhotos load_photos(const Scene& scene, int largest_width, ThreadPool& pool) {
   const size_t count = scene.train.size();
   LoadedPhotos photos{std::vector<std::string>(count), std::vector<MatchView>(count), std::vector<ImageF>(count),
                       std::vector<ImageF>(count)};
   pool.parallel_for(count, 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
-      LoadOptions load;
-      load.semantics = false;
-      load.scale = std::min(
-          1.0, static_cast<double>(largest_width) / scene.views[static_cast<size_t>(scene.train[i])].camera.width);
-      ViewData data = load_view(scene, scene.train[i], load);
+      ViewData data = load_small(scene, scene.train[i], largest_width, true);
       photos.names[i] = data.name;
       photos.match[i] = {data.camera, luma_of(data.color), std::move(data.prior_depth)};
       photos.color[i] = std::move(data.color);
@@ -42,6 +48,64 @@ LoadedPhotos load_photos(const Scene& scene, int largest_width, ThreadPool& pool
     }
   });
   return photos;
+}
+
+/// Test photos, which are only placed by the points of the others.
+std::vector<RefineView> load_tests(const Scene& scene, int largest_width, ThreadPool& pool) {
+  std::vector<RefineView> tests(scene.test.size());
+  pool.parallel_for(tests.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      ViewData data = load_small(scene, scene.test[i], largest_width, false);
+      RefineView& view = tests[i];
+      view.name = data.name;
+      view.match = {data.camera, luma_of(data.color), {}};
+      view.color = std::move(data.color);
+      view.mask = std::move(data.mask);
+      view.test = true;
+    }
+  });
+  return tests;
+}
+
+/// The photos' cameras are the corrected ones afterwards.
+void check_cameras(const Scene& scene, const CompleteSceneOptions& options, ThreadPool& pool, LoadedPhotos& photos,
+                   CompleteSceneReport& report) {
+  constexpr uint64_t kSteps = 100;
+  Progress progress(options.progress, "check cameras", kSteps);
+  std::vector<RefineView> views;
+  for (size_t i = 0; i < photos.match.size(); ++i) {
+    views.emplace_back();
+    views.back().name = photos.names[i];
+    views.back().match = std::move(photos.match[i]);
+    views.back().color = std::move(photos.color[i]);
+    views.back().mask = std::move(photos.mask[i]);
+  }
+  if (options.correct_cameras) {
+    for (RefineView& test : load_tests(scene, options.largest_width, pool)) views.push_back(std::move(test));
+  }
+  report.cameras =
+      check_sensor_cameras(views, robust_extent(scene), options.correct_cameras, options.camera_settings, pool,
+                           [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
+  report.corrected = report.cameras.corrected;
+  for (size_t i = 0; i < photos.match.size(); ++i) {
+    photos.match[i] = std::move(views[i].match);
+    photos.match[i].camera = report.cameras.cameras[i];
+    photos.color[i] = std::move(views[i].color);
+    photos.mask[i] = std::move(views[i].mask);
+  }
+}
+
+/// Corrected cameras of all views at the size of their photos.
+std::vector<Camera> corrected_cameras(const Scene& scene, const std::vector<Camera>& corrected) {
+  std::vector<Camera> cameras;
+  for (const View& view : scene.views) cameras.push_back(view.camera);
+  std::vector<int> views = scene.train;
+  views.insert(views.end(), scene.test.begin(), scene.test.end());
+  for (size_t i = 0; i < corrected.size(); ++i) {
+    Camera& camera = cameras[static_cast<size_t>(views[i])];
+    camera = corrected[i].resized(camera.width, camera.height);
+  }
+  return cameras;
 }
 
 double span_of(const std::vector<Vec3f>& log_gains) {
@@ -71,6 +135,42 @@ void measure_exposure(const LoadedPhotos& photos, const CompleteSceneOptions& op
   report.log_gains = estimate_log_gains(views, options.exposure_settings, pool);
   report.span = span_of(report.log_gains);
   report.exposed = report.span >= options.least_span;
+}
+
+/// The sensor's maps without mixed pixels; empty where nothing is to be cleaned. The photos' depth follows.
+std::vector<SensorDepth> clean_depth(const Scene& scene, const CompleteSceneOptions& options, ThreadPool& pool,
+                                     LoadedPhotos& photos, CompleteSceneReport& report) {
+  const size_t count = photos.match.size();
+  std::vector<SensorDepth> maps(count);
+  pool.parallel_for(count, 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i)
+      maps[i] = clean_sensor_maps(scene, scene.train[i], photos.match[i].luma, options.clean_settings);
+  });
+  for (const SensorDepth& map : maps) {
+    report.mixed += map.mixed / static_cast<double>(count);
+    report.doubtful += map.doubtful / static_cast<double>(count);
+  }
+  if (report.mixed + report.doubtful < options.least_cleaned) return {};
+  report.cleaned = true;
+  for (size_t i = 0; i < count; ++i) {
+    ImageF& depth = photos.match[i].depth;
+    const ImageF clean = resize_depth(maps[i].depth, depth.width, depth.height);
+    for (size_t p = 0; p < depth.data.size(); ++p) depth.data[p] = depth.data[p] > 0 ? clean.data[p] : 0;
+  }
+  return maps;
+}
+
+/// Confidence of filled maps where the sensor measured: its own, 1 at most.
+void keep_sensor_confidence(const std::vector<SensorDepth>& cleaned, const LoadedPhotos& photos,
+                            std::vector<HoleDepth>& filled) {
+  for (size_t i = 0; i < cleaned.size() && i < filled.size(); ++i) {
+    ImageF& out = filled[i].confidence;
+    const ImageF own = resize_nearest(cleaned[i].confidence, out.width, out.height);
+    const float most = *std::max_element(own.data.begin(), own.data.end());
+    for (size_t p = 0; p < out.data.size(); ++p) {
+      if (photos.match[i].depth.data[p] > 0 && own.data[p] > 0) out.data[p] = own.data[p] / most;
+    }
+  }
 }
 
 double share_of_holes(const LoadedPhotos& photos) {
@@ -124,17 +224,27 @@ CompleteSceneReport complete_scene(Scene scene, const fs::path& output, const Co
   LoadedPhotos photos;
   load_usable_views(scene, [&] { photos = load_photos(scene, options.largest_width, pool); });
   CompleteSceneReport report;
+  if (options.check_cameras || options.correct_cameras) check_cameras(scene, options, pool, photos, report);
+  std::vector<SensorDepth> cleaned;
+  if (options.clean && is_sensor_depth(scene.prior_source)) cleaned = clean_depth(scene, options, pool, photos, report);
   if (options.exposure) measure_exposure(photos, options, pool, report);
   report.holes = share_of_holes(photos);
   std::vector<HoleDepth> filled;
   if (options.holes && report.holes >= options.least_holes)
     filled = measure_holes(scene, photos, options, pool, report);
-  if (!report.exposed && !report.completed) return report;
+  if (!report.corrected && !report.exposed && !report.cleaned && !report.completed) return report;
+  if (report.completed) keep_sensor_confidence(cleaned, photos, filled);
   FolderReplacement replacement(output);
   copy_scene(scene.folder, replacement.path());
   write_used_split(scene, replacement.path());
+  if (report.corrected)
+    write_scene_cameras(scene, corrected_cameras(scene, report.cameras.cameras), replacement.path());
   if (report.exposed) write_training_exposure(scene, report.log_gains, replacement.path());
-  if (report.completed) write_maps(photos, filled, replacement.path());
+  if (report.completed)
+    write_maps(photos, filled, replacement.path());
+  else
+    for (size_t i = 0; i < cleaned.size(); ++i)
+      write_sensor_maps(scene, scene.train[i], cleaned[i], replacement.path());
   mark_as_own(replacement.path());
   require_scene_place(output, options.overwrite, sources);  // filled meanwhile?
   replacement.commit();

@@ -91,6 +91,73 @@ TEST_F(CompletedScene, IsNotWrittenWherePhotosAreExposedAlike) {
   EXPECT_FALSE(fs::exists(root_ / "completed"));
 }
 
+TEST_F(CompletedScene, LeavesOutPixelsThatMixTwoSurfaces) {
+  write(1);
+  const fs::path file = root_ / "scene" / "pred_depths" / "v1.npy";
+  FloatArray depth = read_npy(file);
+  for (int y = 0; y < kHeight; ++y) depth.data[static_cast<size_t>(y * kWidth + 50)] *= 1.4f;  // a column flies
+  write_npy_float32(file, {kHeight, kWidth}, depth.data.data());
+  EXPECT_FALSE(complete().cleaned) << "not asked for";
+  CompleteSceneOptions options;
+  options.clean = true;
+  options.holes = false;
+  const CompleteSceneReport report = complete(options);
+  ASSERT_TRUE(report.cleaned);
+  EXPECT_NEAR(report.mixed, 0.25 / kWidth, 0.002);
+  const FloatArray after = read_npy(root_ / "completed" / "pred_depths" / "v1.npy"),
+                   confidence = read_npy(root_ / "completed" / "pred_confidence" / "v1.npy");
+  EXPECT_EQ(after.data[static_cast<size_t>(60 * kWidth + 50)], 0);
+  EXPECT_EQ(confidence.data[static_cast<size_t>(60 * kWidth + 50)], 0);
+  EXPECT_EQ(after.data[static_cast<size_t>(60 * kWidth + 30)], depth.data[static_cast<size_t>(60 * kWidth + 30)]);
+  EXPECT_GT(confidence.data[static_cast<size_t>(60 * kWidth + 30)], 0);
+}
+
+TEST_F(CompletedScene, DepthThatIsNoSensorsIsNotCleaned) {
+  write(1.3f);
+  PriorsJson priors = read_priors_json(root_ / "scene" / "priors.json");
+  priors.depth->model = "somebody";
+  write_priors_json(root_ / "scene" / "priors.json", priors);
+  CompleteSceneOptions options;
+  options.clean = true;
+  options.clean_settings.dark = 2;  // all would be doubtful
+  EXPECT_FALSE(complete(options).cleaned);
+}
+
+TEST_F(CompletedScene, CamerasAreCheckedAndStayWhereTheyAgree) {
+  write(1);
+  CompleteSceneOptions options;
+  options.check_cameras = options.correct_cameras = true;
+  options.holes = false;
+  const CompleteSceneReport report = complete(options);
+  EXPECT_GT(report.cameras.matches, 200u);
+  EXPECT_LT(report.cameras.before, 0.5);
+  EXPECT_FALSE(report.corrected);
+  EXPECT_FALSE(fs::exists(root_ / "completed"));
+}
+
+TEST_F(CompletedScene, WrongCamerasAreWrittenCorrected) {
+  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
+  write(1);
+  Scene scene = open_scene(root_ / "scene");
+  Random random(7);
+  for (int i = 0; i < 5; ++i) scene.views[static_cast<size_t>(i)].camera = disturbed(true_camera(i), 1.0, 0.01, random);
+  CompleteSceneOptions options;
+  options.correct_cameras = true;
+  options.holes = options.exposure = false;
+  ThreadPool pool(2);
+  const CompleteSceneReport report = complete_scene(scene, root_ / "completed", options, pool);
+  ASSERT_TRUE(report.corrected);
+  EXPECT_LT(report.cameras.after, 0.5 * report.cameras.before);
+  const auto cameras_of = [](const Scene& s) {
+    std::vector<Camera> cameras;
+    for (const View& view : s.views) cameras.push_back(view.camera);
+    return cameras;
+  };
+  const Scene after = open_scene(root_ / "completed");
+  EXPECT_LT(pair_error(cameras_of(after)), 0.5 * pair_error(cameras_of(scene)));  // the test photo's, too
+  EXPECT_EQ(after.cloud.size(), scene.cloud.size());
+}
+
 TEST_F(CompletedScene, NeedsDepthOfEveryTrainingPhoto) {
   write(1.3f, false);
   EXPECT_THROW(complete(), Error);

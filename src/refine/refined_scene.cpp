@@ -14,7 +14,6 @@
 #include "refine/fused_labels.h"
 #include "refine/scene_copy.h"
 #include "refine/usable_views.h"
-#include "scene/colmap_model.h"
 #include "scene/depth_placement.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_json.h"
@@ -219,15 +218,6 @@ std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<Match
   return factors;
 }
 
-void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points,
-                  const fs::path& folder) {
-  ColmapModel model;
-  for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], image_name_of(scene, scene.views[i]));
-  append_points(model, points);
-  fs::remove_all(folder / "sparse");
-  write_colmap_binary(folder / "sparse", model);
-}
-
 constexpr const char* kRefined = "cameras_refined";  // of scene.json
 
 /// An empty object when there is none.
@@ -342,7 +332,7 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
   const fs::path& folder = replacement.path();
   copy_scene(scene.folder, folder);
   write_used_split(scene, folder);
-  write_sparse(scene, cameras, scene.cloud, folder);
+  write_scene_cameras(scene, cameras, folder);
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
     write_depth(scene, scene.train[i], placement.views[i].factor, log_factors[i], folder);
   }

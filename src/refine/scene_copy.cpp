@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "io/folder_replacement.h"
+#include "scene/colmap_model.h"
 #include "scene/scene_json.h"
 #include "scene/scene_place.h"
 
@@ -31,6 +32,14 @@ void write_scene_copy(const fs::path& from, const fs::path& to, bool overwrite) 
   copy_scene(from, replacement.path());
   mark_as_own(replacement.path());
   replacement.commit();
+}
+
+void write_scene_cameras(const Scene& scene, const std::vector<Camera>& cameras, const fs::path& folder) {
+  ColmapModel model;
+  for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], image_name_of(scene, scene.views[i]));
+  append_points(model, scene.cloud);
+  fs::remove_all(folder / "sparse");
+  write_colmap_binary(folder / "sparse", model);
 }
 
 void write_training_exposure(const Scene& scene, const std::vector<Vec3f>& log_gains, const fs::path& folder) {

@@ -60,14 +60,26 @@ std::array<double, 3> exposure_walk(Random random, size_t index) {
   return {limited(common + kBalanceSpread * red), limited(common), limited(common + kBalanceSpread * blue)};
 }
 
-Image<uint8_t> degrade_image(const ImageF& color, const ImageDegradationSettings& s, Random random) {
+namespace {
+
+/// The first numbers that a photo draws.
+std::array<double, 3> draw_gains(const ImageDegradationSettings& s, Random& random) {
   const double gain = 1 + random.uniform(-s.gain, s.gain);
   const double red = gain * (1 + random.uniform(-s.white_balance, s.white_balance));
   const double blue = gain * (1 + random.uniform(-s.white_balance, s.white_balance));
+  return {red * std::exp(s.log_gain[0]), gain * std::exp(s.log_gain[1]), blue * std::exp(s.log_gain[2])};
+}
+
+}  // namespace
+
+std::array<double, 3> photo_gains(const ImageDegradationSettings& settings, Random random) {
+  return draw_gains(settings, random);
+}
+
+Image<uint8_t> degrade_image(const ImageF& color, const ImageDegradationSettings& s, Random random) {
+  const std::array<double, 3> gains = draw_gains(s, random);
   const double sigma = random.uniform(0, s.blur) / 2.355;  // full width at half maximum to standard deviation
-  const float factors[3] = {static_cast<float>(red * std::exp(s.log_gain[0])),
-                            static_cast<float>(gain * std::exp(s.log_gain[1])),
-                            static_cast<float>(blue * std::exp(s.log_gain[2]))};
+  const float factors[3] = {static_cast<float>(gains[0]), static_cast<float>(gains[1]), static_cast<float>(gains[2])};
   ImageF out = color;
   for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = srgb_encode(srgb_decode(out.data[i]) * factors[i % 3]);
   out = blurred(out, sigma);

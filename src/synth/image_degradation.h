@@ -24,6 +24,9 @@ struct ImageDegradationSettings {
 /// that turns from a window to a dark corner. They stay within a factor of two per channel.
 std::array<double, 3> exposure_walk(Random random, size_t index);
 
+/// Factors of red, green and blue, linear light, that degrade_image() applies with the same settings and numbers.
+std::array<double, 3> photo_gains(const ImageDegradationSettings& settings, Random random);
+
 /// Applies exposure and white balance (linear light), blur, noise, and one JPEG coding. `color` is sRGB in [0, 1].
 Image<uint8_t> degrade_image(const ImageF& color, const ImageDegradationSettings& settings, Random random);
 

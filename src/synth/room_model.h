@@ -57,7 +57,8 @@ struct RoomModel {
   std::vector<AreaLight> lights;
   std::vector<Footprint> footprints;
   std::vector<RoomOpening> openings;
-  Rigidd room_to_world;  ///< identity until move_to_world
+  bool strong_gloss = false;  ///< add_gloss() was here: pictures have maps of what is mirrored
+  Rigidd room_to_world;       ///< identity until move_to_world
 
   /// Applies a rigid motion to geometry and lights, so that positions are world coordinates.
   void move_to_world(const Rigidd& motion);

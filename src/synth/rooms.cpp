@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "synth/gloss.h"
 #include "synth/room_builders.h"
 
 namespace aligngs {
@@ -48,6 +49,7 @@ RoomModel build_room(const RoomOptions& options) {
   else
     furnish_office(site);
   room.remove_unused_vertices();
+  if (options.strong_gloss) add_gloss(room);
   return room;
 }
 

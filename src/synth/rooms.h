@@ -12,7 +12,8 @@ namespace aligngs {
 struct RoomOptions {
   std::string kind = "bedroom";  ///< bedroom, living, kitchen or office
   uint64_t seed = 1;
-  bool glossy = true;  ///< polished floor and table tops
+  bool glossy = true;         ///< polished floor and table tops
+  bool strong_gloss = false;  ///< gloss.h: also dark tables, a mirror, and windows that one looks through
 };
 
 /// Names that RoomOptions::kind may take.

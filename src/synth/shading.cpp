@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/srgb.h"
 #include "scene/triangle_mesh.h"
 #include "synth/noise.h"
+#include "synth/outside.h"
 
 namespace aligngs {
 namespace {
@@ -44,6 +46,49 @@ Vec3f tone_map(const Vec3f& radiance, float exposure) {
           1 - std::exp(-radiance.z * exposure)};
 }
 
+/// Light that comes from a hit without its reflections: its own, or the view outside.
+Vec3f direct_radiance(const RoomModel& room, const SurfacePoint& s, const Vec3d& at, const Vec3d& direction,
+                      float footprint) {
+  if (!s.material->see_through) return diffuse_radiance(s, footprint);
+  const Rigidd to_room = room.room_to_world.inverse();
+  const Vec3d middle{room.width / 2, room.depth / 2, 0};
+  return outside_color(to_room * at - middle, to_room.rotation * direction, {}, s.material->seed) *
+         s.material->emission;
+}
+
+/// Share of the light that a surface mirrors: Schlick's approximation of Fresnel's law (1994).
+float mirrored_share(const Material& m, float cosine) {
+  return m.gloss * (m.reflectance + (1 - m.reflectance) * std::pow(1 - cosine, 5.0f));
+}
+
+/// Mean radiance along mirrored rays; no value where all of them enter the surface.
+std::optional<Vec3f> mirrored_radiance(const RoomRays& scene, const LightCache& lights, const Material& material,
+                                       const Vec3d& start, const Vec3f& view, const Vec3f& n, float footprint,
+                                       float pixel_angle, uint32_t jitter_seed) {
+  const float rough = material.roughness;
+  Vec3f sum;
+  int rays = 0;
+  for (int i = 0; i < material.mirror_rays; ++i) {
+    Vec3f mirror = view - n * (2 * dot(view, n));
+    mirror += Vec3f{lattice_random(0, i, 0, jitter_seed) - 0.5f, lattice_random(1, i, 0, jitter_seed) - 0.5f,
+                    lattice_random(2, i, 0, jitter_seed) - 0.5f} *
+              (2 * rough);
+    mirror = normalized(mirror);
+    if (dot(mirror, n) <= 0.01f) continue;
+    ++rays;
+    const RayHit second = scene.intersect(start, mirror.cast<double>(), 1e-3);
+    if (!second.hit) continue;
+    const Vec3f seen = direct_radiance(scene.room(), surface_at(scene.room(), lights, second),
+                                       start + mirror.cast<double>() * second.distance, mirror.cast<double>(),
+                                       footprint + static_cast<float>(second.distance) * (pixel_angle + rough));
+    // A highlight need not be brighter than film can hold: keeps its border free of sparkles.
+    const float peak = 4 / lights.exposure;
+    sum += Vec3f{std::min(seen.x, peak), std::min(seen.y, peak), std::min(seen.z, peak)};
+  }
+  if (rays == 0) return std::nullopt;
+  return sum * (1.0f / static_cast<float>(rays));
+}
+
 /// Radiance along a primary ray. `pixel_angle` is the width of a sample in radians.
 Vec3f trace(const RoomRays& scene, const LightCache& lights, const Vec3d& origin, const Vec3d& direction,
             float pixel_angle, uint32_t jitter_seed) {
@@ -54,30 +99,28 @@ Vec3f trace(const RoomRays& scene, const LightCache& lights, const Vec3d& origin
   const float cosine = std::fabs(dot(s.normal, view));
   const float distance = static_cast<float>(hit.distance * norm(direction));
   const float footprint = distance * pixel_angle / std::sqrt(std::max(cosine, 0.05f));
-  Vec3f radiance = diffuse_radiance(s, footprint);
-  const float gloss = s.material->gloss;
-  if (gloss <= 0) return radiance;
-  // Fresnel reflection of a smooth dielectric (Schlick 1994, refractive index 1.5), slightly roughened.
-  const float fresnel = gloss * (0.04f + 0.96f * std::pow(1 - cosine, 5.0f));
+  const Vec3d at = origin + direction * hit.distance;
+  const Vec3f radiance = direct_radiance(scene.room(), s, at, direction, footprint);
+  if (s.material->gloss <= 0) return radiance;
+  const float share = mirrored_share(*s.material, cosine);
   const Vec3f n = dot(s.normal, view) > 0 ? -s.normal : s.normal;
-  Vec3f mirror = view - n * (2 * dot(view, n));
-  constexpr float rough = 0.008f;  // radians: polish that is not a mirror
-  mirror += Vec3f{lattice_random(0, 0, 0, jitter_seed) - 0.5f, lattice_random(1, 0, 0, jitter_seed) - 0.5f,
-                  lattice_random(2, 0, 0, jitter_seed) - 0.5f} *
-            (2 * rough);
-  mirror = normalized(mirror);
-  if (dot(mirror, n) <= 0.01f) return radiance;
-  const Vec3d start = origin + direction * hit.distance + n.cast<double>() * 1e-3;
-  const RayHit second = scene.intersect(start, mirror.cast<double>(), 1e-3);
-  Vec3f reflected;
-  if (second.hit) {
-    reflected = diffuse_radiance(surface_at(scene.room(), lights, second),
-                                 footprint + static_cast<float>(second.distance) * (pixel_angle + rough));
-    // A highlight need not be brighter than film can hold: keeps its border free of sparkles.
-    const float peak = 4 / lights.exposure;
-    reflected = {std::min(reflected.x, peak), std::min(reflected.y, peak), std::min(reflected.z, peak)};
-  }
-  return radiance * (1 - fresnel) + reflected * fresnel;
+  const std::optional<Vec3f> reflected = mirrored_radiance(scene, lights, *s.material, at + n.cast<double>() * 1e-3,
+                                                           view, n, footprint, pixel_angle, jitter_seed);
+  return reflected ? radiance * (1 - share) + *reflected * share : radiance;
+}
+
+/// Maps of a pixel whose ray meets `material` after `hit`, with the normal `n` towards the camera.
+void gloss_maps(const RoomRays& scene, const Material& material, const Vec3d& origin, const Vec3d& direction,
+                const RayHit& hit, const Vec3d& n, int x, int y, RenderedView& view) {
+  const double length = norm(direction);
+  const float share = mirrored_share(material, static_cast<float>(std::fabs(dot(n, direction)) / length));
+  view.mirrored.at(x, y) = share;
+  view.sensed.at(x, y) = material.see_through ? 0.0f : static_cast<float>(hit.distance);
+  constexpr float kSilvered = 0.5f;  // a surface that mirrors more than it scatters
+  if (material.gloss * material.reflectance < kSilvered) return;
+  const Vec3d mirror = direction - n * (2 * dot(direction, n));
+  const RayHit second = scene.intersect(origin + direction * hit.distance + n * 1e-3, mirror, 1e-3);
+  view.sensed.at(x, y) = second.hit ? static_cast<float>(hit.distance + second.distance) : 0.0f;
 }
 
 void exact_maps(const RoomRays& scene, const Rigidd& camera_to_world, int x, int y, RenderedView& view) {
@@ -95,7 +138,9 @@ void exact_maps(const RoomRays& scene, const Rigidd& camera_to_world, int x, int
   const uint16_t object = room.triangle_object[hit.triangle];
   view.labels.at(x, y) = room.objects[object].label;
   view.instances.at(x, y) = object;
-  view.unreliable.at(x, y) = room.materials[room.triangle_material[hit.triangle]].unreliable_depth ? 1 : 0;
+  const Material& material = room.materials[room.triangle_material[hit.triangle]];
+  view.unreliable.at(x, y) = material.unreliable_depth ? 1 : 0;
+  if (room.strong_gloss) gloss_maps(scene, material, camera_to_world.translation, direction, hit, n, x, y, view);
 }
 
 }  // namespace
@@ -111,6 +156,7 @@ RenderedView render_view(const RoomRays& scene, const LightCache* lights, const 
   view.labels = Image<uint16_t>(w, h, 1, kNoLabel);
   view.instances = Image<uint16_t>(w, h, 1, 65535);
   view.unreliable = Image<uint8_t>(w, h, 1, 0);
+  if (scene.room().strong_gloss) view.mirrored = view.sensed = ImageF(w, h, 1);
   const Rigidd camera_to_world = camera.world_to_camera.inverse();
   const int n = std::max(1, options.samples_per_side);
   const float pixel_angle = static_cast<float>(1 / camera.fx) / static_cast<float>(n);

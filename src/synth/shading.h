@@ -33,6 +33,11 @@ struct RenderedView {
   Image<uint16_t> labels;     ///< ADE20K class; kNoLabel where no surface
   Image<uint16_t> instances;  ///< index into RoomModel::objects; 65535 where no surface
   Image<uint8_t> unreliable;  ///< 1 on glass, screens and dark gloss
+  /// Share of the light that is mirrored at the pixel's centre, 0 to 1. Empty without strong gloss.
+  ImageF mirrored;
+  /// The same rooms: where the light of a depth sensor turns back, metres along z. The room in a mirror, as far behind
+  /// it as it is mirrored; 0 through a pane; elsewhere `depth`.
+  ImageF sensed;
 };
 
 struct RayTraceOptions {

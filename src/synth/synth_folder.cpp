@@ -1,6 +1,9 @@
 // Writing a synthetic scene as a scene folder.
 #include <fmt/format.h>
 
+#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include "core/half.h"
 #include "io/atomic_file.h"
 #include "room/room_json.h"
@@ -34,6 +37,7 @@ PriorsJson priors_of(const SynthScene& scene) {
     d["range_m"] = number(t.range);
     d["noise_m"] = fmt::format("{:g} + {:g} z^2", t.noise, t.noise_growth);
     d["multipath_m"] = number(t.multipath);
+    d["columns"] = std::to_string(t.columns);
     d["rotation_degrees"] = number(t.rotation_degrees);
     d["translation_m"] = number(t.translation);
   } else if (!exact) {
@@ -56,6 +60,16 @@ PriorsJson priors_of(const SynthScene& scene) {
     priors.semantics->settings["flip"] = number(s.flip);
   }
   return priors;
+}
+
+/// Log gains of all photos, in the layout of exposure.json.
+std::string exposure_truth(const SynthScene& scene) {
+  nlohmann::json gains = nlohmann::json::object();
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    nlohmann::json& log_gain = gains[scene.views[i].name] = nlohmann::json::array();
+    for (const double gain : photo_exposure(scene.options, i)) log_gain.push_back(std::log(gain));
+  }
+  return nlohmann::json{{"log_gains", std::move(gains)}}.dump(1) + "\n";
 }
 
 SemanticMap map_of(const ScoreMap& scores) {
@@ -91,16 +105,18 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   const bool arbitrary = o.unknown_similarity && o.teacher == TeacherKind::kSimulated;
   parts.description.metric = !arbitrary;
   if (!arbitrary) parts.description.up = scene.up;
-  parts.description.source = fmt::format("synthetic {}, seed {}, {}, world axes arbitrary", o.room, o.seed,
-                                         o.teacher == TeacherKind::kExact
-                                             ? std::string("exact teachers")
-                                             : fmt::format("simulated teachers ({})", teacher_level_name(o.level)));
+  parts.description.source = fmt::format(
+      "synthetic {}, seed {}{}, {}, world axes arbitrary", o.room, o.seed, o.strong_gloss ? ", strong gloss" : "",
+      o.teacher == TeacherKind::kExact ? std::string("exact teachers")
+                                       : fmt::format("simulated teachers ({})", teacher_level_name(o.level)));
   parts.priors = priors_of(scene);
   parts.cloud = scene.cloud;
   parts.truth_mesh = scene.mesh;
   writer.write(parts);
   write_room(writer.folder() / "truth" / "room.json", room_truth(scene.room));
   write_file_atomically(writer.folder() / "truth" / "objects.json", room_objects_json(scene.room));
+  if (o.exposure == ExposureKind::kWalk)
+    write_file_atomically(writer.folder() / "truth" / "exposure.json", exposure_truth(scene));
   for (const RemovalTruth& removal : removals)
     write_removal_truth(scene, removal, writer.folder() / "truth" / "without");
   writer.commit();

@@ -74,11 +74,27 @@ Random room_random(const SynthOptions& options) {
 
 LightingOptions lighting_of(const SynthOptions& options) { return {48, 3, options.shadows}; }
 
-Image<uint8_t> photo_of(const SynthOptions& options, size_t index, const ImageF& color) {
-  if (!options.degrade_images) return to_bytes(color);
+namespace {
+
+ImageDegradationSettings degradation_of(const SynthOptions& options, size_t index) {
   ImageDegradationSettings settings;
   if (options.exposure == ExposureKind::kWalk) settings.log_gain = exposure_walk(room_random(options).fork(3), index);
-  return degrade_image(color, settings, room_random(options).fork(2).fork(index));
+  return settings;
+}
+
+/// The stream of random numbers of a photo.
+Random photo_random(const SynthOptions& options, size_t index) { return room_random(options).fork(2).fork(index); }
+
+}  // namespace
+
+Image<uint8_t> photo_of(const SynthOptions& options, size_t index, const ImageF& color) {
+  if (!options.degrade_images) return to_bytes(color);
+  return degrade_image(color, degradation_of(options, index), photo_random(options, index));
+}
+
+std::array<double, 3> photo_exposure(const SynthOptions& options, size_t index) {
+  if (!options.degrade_images) return {1, 1, 1};
+  return photo_gains(degradation_of(options, index), photo_random(options, index));
 }
 
 TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
@@ -129,7 +145,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   report(0, "furnishing the room");
   SynthScene scene;
   scene.options = options;
-  scene.room = build_room({options.room, options.seed, options.glossy});
+  scene.room = build_room({options.room, options.seed, options.glossy, options.strong_gloss});
   scene.bare_share = scene.room.bare_area_share();
   uint64_t kind = 0;
   while (room_kinds()[kind] != options.room) ++kind;

@@ -1,6 +1,7 @@
 // A complete synthetic scene: room, pictures, exact truth, simulated teachers; in memory or as a scene folder.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -42,6 +43,7 @@ struct SynthOptions {
   bool degrade_images = true;       ///< noise, blur, exposure, white balance, JPEG
   ExposureKind exposure = ExposureKind::kPerPhoto;
   bool glossy = true;           ///< polished floor and table tops
+  bool strong_gloss = false;    ///< also dark tables, a mirror, and windows that one looks through (gloss.h)
   double semantic_scale = 0.4;  ///< size of the score maps relative to the images, at most 0.5
   int samples_per_side = 2;     ///< antialiasing: n x n rays per pixel
   bool shadows = true;          ///< false: a draft without shadows and interreflection, in a tenth of the time
@@ -78,6 +80,8 @@ struct SynthScene {
 LightingOptions lighting_of(const SynthOptions& options);
 /// The photo of view `index` whose perfect picture is `color`: every view has a noise and an exposure of its own.
 Image<uint8_t> photo_of(const SynthOptions& options, size_t index, const ImageF& color);
+/// Its exposure and white balance: factors of red, green and blue, linear light.
+std::array<double, 3> photo_exposure(const SynthOptions& options, size_t index);
 /// A room's surface with labels, and with colours under the light.
 TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights);
 

@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/srgb.h"
+#include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "scene/mesh_ply.h"
@@ -144,6 +147,58 @@ TEST(SynthScene, AnotherTeacherSeedChangesTheTeacherAndNotTheRoom) {
   const SynthScene other = make_synth_scene(o, pool);
   EXPECT_EQ(other.views[2].image.data, small_scene().views[2].image.data);
   EXPECT_NE(other.views[2].teacher.depth.data, small_scene().views[2].teacher.depth.data);
+}
+
+/// Mean of a channel of the photo, in levels of 255.
+double mean_level(const Image<uint8_t>& image, int channel) {
+  double sum = 0;
+  for (size_t i = static_cast<size_t>(channel); i < image.data.size(); i += 3) sum += image.data[i];
+  return sum * 3 / static_cast<double>(image.data.size());
+}
+
+TEST(SynthScene, WithoutTheHarderOptionsARoomIsTheOneOfItsSeed) {
+  // Taken before there were such options. Other processors round a few pixels differently.
+  const SynthScene& s = small_scene();
+  EXPECT_EQ(s.room.positions.size(), 228210u);
+  const double levels[3] = {172.055, 150.700, 133.087};
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean_level(s.views[3].image, c), levels[c], 0.1) << c;
+  EXPECT_TRUE(s.views[3].truth.mirrored.empty());
+}
+
+TEST(SynthScene, AGlossyRoomDiffersInItsPicturesAlone) {
+  SynthOptions o = small_options();
+  o.strong_gloss = true;
+  ThreadPool pool(2);
+  const SynthScene glossy = make_synth_scene(o, pool);
+  EXPECT_EQ(glossy.views[3].truth.depth.data, small_scene().views[3].truth.depth.data);
+  EXPECT_NE(glossy.views[3].image.data, small_scene().views[3].image.data);
+  EXPECT_EQ(glossy.views[3].truth.mirrored.data.size(), 64u * 48u);
+}
+
+TEST(PhotoExposure, IsTheRatioOfThePhotoToTheCleanPicture) {
+  SynthOptions o = small_options();
+  o.exposure = ExposureKind::kWalk;
+  const ImageF grey(64, 48, 3, 0.4f);
+  for (const size_t index : {0, 7, 15}) {
+    const Image<uint8_t> photo = photo_of(o, index, grey);
+    const std::array<double, 3> gains = photo_exposure(o, index);
+    for (int c = 0; c < 3; ++c) {
+      const double ratio = srgb_decode(static_cast<float>(mean_level(photo, c) / 255)) / srgb_decode(0.4f);
+      EXPECT_NEAR(ratio, gains[static_cast<size_t>(c)], 0.03 * ratio) << index << " " << c;
+    }
+  }
+}
+
+TEST(PhotoExposure, OfAWalkIsWrittenAsTruth) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "aligngs_synth_exposure";
+  std::filesystem::remove_all(folder);
+  SynthScene s = small_scene();
+  s.options.exposure = ExposureKind::kWalk;
+  write_synth_scene(s, folder);
+  const nlohmann::json truth = nlohmann::json::parse(read_file(folder / "truth" / "exposure.json"));
+  ASSERT_EQ(truth["log_gains"].size(), s.views.size());  // test views, too
+  EXPECT_NEAR(truth["log_gains"]["view_004"][1], std::log(photo_exposure(s.options, 4)[1]), 1e-12);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(SynthScene, RefusesImpossibleOptions) {

@@ -70,31 +70,77 @@ double brightness(const RenderedView& view, int x, int y) {
          0.0722 * srgb_decode(view.color.at(x, y, 2));
 }
 
+/// Random numbers of the sensor's pixels, looked up in the pixels of the photo.
+class SensorDraws {
+ public:
+  SensorDraws(int width, int height, int columns, Random& random)
+      : width_(width), height_(height), columns_(std::min(width, columns)) {
+    rows_ = std::max(1, static_cast<int>(std::lround(static_cast<double>(columns_) * height / width)));
+    for (ImageF* map : {&noise_, &dark_, &unreliable_}) *map = ImageF(columns_, rows_, 1);
+    for (size_t i = 0; i < noise_.data.size(); ++i) {
+      // Drawn for every pixel, so that a hole changes nothing elsewhere.
+      noise_.data[i] = static_cast<float>(random.normal());
+      dark_.data[i] = static_cast<float>(random.uniform());
+      unreliable_.data[i] = static_cast<float>(random.uniform());
+    }
+  }
+  /// Standard normal at the middles of the sensor's pixels, interpolated between them.
+  double noise(int x, int y) const {
+    const double u = std::clamp((x + 0.5) * columns_ / width_ - 0.5, 0.0, columns_ - 1.0),
+                 v = std::clamp((y + 0.5) * rows_ / height_ - 0.5, 0.0, rows_ - 1.0);
+    const int x0 = static_cast<int>(u), y0 = static_cast<int>(v), x1 = std::min(x0 + 1, columns_ - 1),
+              y1 = std::min(y0 + 1, rows_ - 1);
+    const double fx = u - x0, fy = v - y0;
+    return (noise_.at(x0, y0) * (1 - fx) + noise_.at(x1, y0) * fx) * (1 - fy) +
+           (noise_.at(x0, y1) * (1 - fx) + noise_.at(x1, y1) * fx) * fy;
+  }
+  /// Uniform in [0, 1), of the pixel of the sensor.
+  double dark(int x, int y) const { return nearest(dark_, x, y); }
+  double unreliable(int x, int y) const { return nearest(unreliable_, x, y); }
+
+ private:
+  double nearest(const ImageF& map, int x, int y) const {
+    return map.at(static_cast<int>((x + 0.5) * columns_ / width_), static_cast<int>((y + 0.5) * rows_ / height_));
+  }
+  int width_, height_, columns_, rows_ = 1;
+  ImageF noise_, dark_, unreliable_;
+};
+
+/// Depth of the surfaces from which light returns: mirrors show the room in them.
+ImageF returning_depth(const RenderedView& view, const ImageF& mixed) {
+  ImageF depth = mixed;
+  for (size_t i = 0; i < view.sensed.data.size(); ++i) {
+    if (view.sensed.data[i] != view.depth.data[i]) depth.data[i] = view.sensed.data[i];
+  }
+  return depth;
+}
+
 void measure_view(const RenderedView& view, const DepthSensorSettings& s, Random random, TeacherView& out) {
   const int w = view.depth.width, h = view.depth.height;
-  const double cell = w / s.columns, edge_width = std::max(1.0, kEdgeCells * cell);
+  const double cell = static_cast<double>(w) / s.columns, edge_width = std::max(1.0, kEdgeCells * cell);
   const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * edge_width)));
-  out.depth = mix_across_edges(view.depth, jumps, edge_width);
+  out.depth = returning_depth(view, mix_across_edges(view.depth, jumps, edge_width));
   out.confidence = ImageF(w, h, 1);
   out.own_error = ImageF(w, h, 1);
   const int reach = std::max(1, static_cast<int>(std::lround(s.multipath_reach * w / kReferenceWidth)));
+  const SensorDraws draws(w, h, s.columns, random);
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       float& z = out.depth.at(x, y);
-      // Drawn for every pixel, so that a hole changes nothing elsewhere.
-      const double noise = random.normal(), lost_dark = random.uniform(), lost_unreliable = random.uniform();
       if (!(z > 0)) continue;
       const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5);
       const double along = norm(ray), distance = z * along;
       const double cosine = std::fabs(dot(normal_at(view, x, y), ray)) / along;
-      const bool lost = distance > s.range || cosine < s.least_cosine ||
-                        (view.unreliable.at(x, y) != 0 && lost_unreliable < s.unreliable_loss) ||
-                        (brightness(view, x, y) < s.dark && lost_dark < s.dark_loss);
+      const bool in_mirror = !view.sensed.empty() && view.sensed.at(x, y) != view.depth.at(x, y);
+      const bool flat = cosine < s.least_cosine || (!view.mirrored.empty() && view.mirrored.at(x, y) > s.mirrored_loss);
+      const bool lost = distance > s.range || (flat && !in_mirror) ||
+                        (view.unreliable.at(x, y) != 0 && !in_mirror && draws.unreliable(x, y) < s.unreliable_loss) ||
+                        (brightness(view, x, y) < s.dark && draws.dark(x, y) < s.dark_loss);
       if (lost) {
         z = 0;
         continue;
       }
-      const double error = (s.noise + s.noise_growth * distance * distance) * noise +
+      const double error = (s.noise + s.noise_growth * distance * distance) * draws.noise(x, y) +
                            s.wiggle * std::sin(2 * kPi * distance / s.wiggle_period) +
                            s.multipath * light_from_facing_surfaces(view, x, y, reach);
       z = static_cast<float>(std::max(1e-3, (distance + error) / along));

@@ -69,6 +69,50 @@ TEST(DepthSensor, BlackSurfacesLoseMostPixels) {
   EXPECT_NEAR(share_with_value(measured(wall_at(2, 0.1f)).depth), 0.2, 0.02);
 }
 
+/// The wall with maps of what it mirrors.
+RenderedView mirroring_wall(double metres, float share, double sensed) {
+  RenderedView view = wall_at(metres);
+  view.mirrored = ImageF(kWide, kHigh, 1, share);
+  view.sensed = ImageF(kWide, kHigh, 1, static_cast<float>(sensed));
+  return view;
+}
+
+TEST(DepthSensor, ASurfaceThatMirrorsMostLightReturnsNothing) {
+  EXPECT_EQ(share_with_value(measured(mirroring_wall(2, 0.3f, 2)).depth), 0);
+  EXPECT_EQ(share_with_value(measured(mirroring_wall(2, 0.2f, 2)).depth), 1);
+}
+
+TEST(DepthSensor, AMirrorHasTheDepthOfTheRoomInIt) {
+  const ImageF depth = measured(mirroring_wall(1, 0.92f, 3)).depth;
+  double sum = 0;
+  for (const float z : depth.data) sum += z / static_cast<double>(depth.data.size());
+  EXPECT_NEAR(sum, 3, 0.01);
+}
+
+TEST(DepthSensor, NothingReturnsThroughAPane) {
+  EXPECT_EQ(share_with_value(measured(mirroring_wall(2, 0.08f, 0)).depth), 0);
+}
+
+TEST(DepthSensor, APhotoOfMorePixelsThanTheSensorHasNoiseOfItsPixels) {
+  // A quarter of the photo's columns: neighbours share their noise, pixels one of the sensor apart do not.
+  DepthSensorSettings settings;
+  settings.wiggle = settings.multipath = 0;
+  settings.columns = kWide / 4;
+  const ImageF depth = measured(wall_at(2), settings).depth;
+  const auto correlation = [&](int step) {
+    double product = 0, square = 0;
+    for (int y = 0; y < kHigh; ++y) {
+      for (int x = 0; x + step < kWide; ++x) {
+        product += (depth.at(x, y) - 2.0) * (depth.at(x + step, y) - 2.0);
+        square += (depth.at(x, y) - 2.0) * (depth.at(x, y) - 2.0);
+      }
+    }
+    return product / square;
+  };
+  EXPECT_GT(correlation(1), 0.85);
+  EXPECT_LT(std::fabs(correlation(12)), 0.2);
+}
+
 TEST(DepthSensor, ASurfaceSeenFlatReturnsNothing) {
   RenderedView view = wall_at(2);
   for (int y = 0; y < kHigh; ++y)
@@ -105,7 +149,7 @@ TEST(DepthSensor, LightOverAFacingSurfaceComesLate) {
   }
   DepthSensorSettings settings;
   settings.noise = settings.noise_growth = settings.wiggle = 0;
-  settings.columns = 1e6;  // no mixing at edges
+  settings.columns = 1000000;  // no mixing at edges
   const TeacherView seen = measured(view, settings);
   EXPECT_GT(seen.depth.at(corner - 2, 30), 2.0005f);
   EXPECT_NEAR(seen.depth.at(3, 30), 2, 1e-5);

@@ -38,9 +38,13 @@ struct Material {
   TextureKind kind = TextureKind::kPlain;
   Vec3f a{0.8f, 0.8f, 0.8f}, b, c;  ///< main, second and third colour of the pattern
   float scale = 1;                  ///< size of the pattern: 1 = its natural size in metres
-  float gloss = 0;                  ///< 0 matt; 1 polished (mirrors by Fresnel's law with a refractive index of 1.5)
+  float gloss = 0;                  ///< 0 matt; 1 polished (mirrors by Fresnel's law)
+  float reflectance = 0.04f;        ///< mirrored share at a right angle with gloss 1; 0.04: refractive index 1.5
+  float roughness = 0.008f;         ///< largest deviation of a reflected ray, radians: polish that is not a mirror
+  int mirror_rays = 1;              ///< reflected rays of a sample
   float emission = 0;               ///< radiance = emission * colour
   uint32_t seed = 0;
+  bool see_through = false;       ///< a pane: what is not mirrored is the view outside (outside.h)
   bool unreliable_depth = false;  ///< glass, screens, very dark gloss: depth networks fail here
 
   /// Near-white paint without texture: the surface photometric learning gets nothing from.

@@ -29,6 +29,8 @@ struct DataConfig {
   std::string ignore;                ///< classes whose pixels are left out, with commas (scene/ignored_classes.h)
   bool semantics = true;             ///< use segmentation_logits/ when every training view has them
   bool sensor_exposure = false;      ///< `run`: measure exposures from depth of a sensor, or given depth
+  bool sensor_cameras = false;       ///< `run`: correct the cameras that come with depth of a sensor
+  bool clean_depth = false;          ///< and leave out pixels of that depth that mix two surfaces
   bool fill_depth = false;           ///< and fill holes of that depth by stereo
   bool refine_exposure = false;      ///< `run` and `demo`: measure the photos' exposures there
   bool exposure = false;             ///< undo what exposure.json says of the photos' exposures
@@ -46,6 +48,7 @@ struct InitConfig {
   double scale_max = 0;            ///< largest initial scale / E; 0 = none
   int64_t max_gaussians = 0;       ///< N0 is thinned to this many
   double gaussians_per_pixel = 0;  ///< and to this many per pixel of the largest training view; 0 = no such limit
+  bool far_shell = false;          ///< and of a sensor's: points behind the room where it measured nothing
   int64_t random_count = 0;        ///< points of a random start
 };
 

@@ -34,6 +34,11 @@ std::vector<ConfigKey> data_init_train_keys() {
        "with data.refine_cameras: measure how the photos' exposures and white balances differ"},
       {"data.sensor_exposure", field<&C::data, &DataConfig::sensor_exposure>, 0, 0, value(true),
        "`aligngs run` measures exposures where a sensor made the depth, or it was given; cameras stay"},
+      {"data.sensor_cameras", field<&C::data, &DataConfig::sensor_cameras>, 0, 0, value(true),
+       "`aligngs run` corrects cameras that come with a sensor's depth, where matches then agree much better"},
+      {"data.clean_depth", field<&C::data, &DataConfig::clean_depth>, 0, 0, value(false),
+       "`aligngs run` leaves out pixels of a sensor's depth that mix two surfaces, and lowers the confidence of black, "
+       "glancing and corner pixels"},
       {"data.fill_depth", field<&C::data, &DataConfig::fill_depth>, 0, 0, value(false),
        "`aligngs run` fills holes in such depth by multi-view stereo, where another photo confirms it"},
       {"data.exposure", field<&C::data, &DataConfig::exposure>, 0, 0, value(true),
@@ -67,6 +72,9 @@ std::vector<ConfigKey> data_init_train_keys() {
        "smallest / other initial scales of a cloud with normals; without normals the start is isotropic"},
       {"init.voxel_footprints", field<&C::init, &InitConfig::voxel_footprints>, 0.1, 100, value(1.2),
        "edge of the thinning cubes of the depth start, in pixel footprints at the median depth"},
+      {"init.far_shell", field<&C::init, &InitConfig::far_shell>, 0, 0, value(false),
+       "with depth of a sensor: start a far background behind the room where no depth was measured; the mesh leaves it "
+       "out"},
       {"init.scale_max", field<&C::init, &InitConfig::scale_max>, 0, kAny, value(0.05),
        "largest initial scale / extent; 0 = none"},
       {"init.max_gaussians", field<&C::init, &InitConfig::max_gaussians>, 1, 1e8, value(250000),

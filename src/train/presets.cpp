@@ -34,6 +34,7 @@ PresetChanges paper_changes() {
               {"data.refine_screens", value(false)},
               {"data.refine_exposure", value(false)},
               {"data.sensor_exposure", value(false)},
+              {"data.sensor_cameras", value(false)},
               {"data.exposure", value(false)},
               {"data.ignore", value("")},
               {"data.scores_as_logits", value(true)},

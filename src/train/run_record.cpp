@@ -75,6 +75,7 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
   json["fingerprint"] = r.fingerprint;
   json["left_out"] = r.left_out;
   json["prior_depth"] = r.prior_depth;
+  if (!r.cameras.empty()) json["cameras"] = r.cameras;
   json["warnings"] = r.warnings;
   json["train"] = {{"seconds", r.train.seconds},
                    {"iterations", r.train.iterations},
@@ -118,6 +119,7 @@ RunRecord read_run_record(const fs::path& path) {
   r.fingerprint = text_of(json, "fingerprint");
   r.left_out = texts_of(json, "left_out");
   r.prior_depth = text_of(json, "prior_depth");
+  r.cameras = text_of(json, "cameras");
   r.warnings = texts_of(json, "warnings");
   if (const auto train = json.find("train"); train != json.end() && train->is_object()) {
     r.train.seconds = number_of<double>(*train, "seconds");

@@ -23,6 +23,7 @@ struct RunRecord {
   std::vector<std::string> left_out;  ///< views of the scene that were not used: later stages leave them out as well
   /// scale of the prior depth, how it was laid on the scene, and its residual; empty without any
   std::string prior_depth;
+  std::string cameras;  ///< how well a sensor's cameras agree with the photos; empty where that was not measured
   std::vector<std::string> warnings;  ///< e.g. priors that were missing
   struct Train {
     double seconds = 0;      ///< over all resumes

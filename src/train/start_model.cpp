@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "gaussians/initialise.h"
 #include "scene/depth_cloud.h"
+#include "train/far_shell.h"
 
 namespace aligngs {
 namespace {
@@ -28,7 +29,26 @@ double growth(size_t n, int64_t cap) {
   return std::sqrt(static_cast<double>(n) / static_cast<double>(cap)) * kThinningMargin;
 }
 
-DepthCloud fuse(const StartInputs& in) {
+// of the Gaussians, that a far background may take
+constexpr int64_t kShellShare = 8;
+
+/// Points of a far background; none where the settings or the depth ask for none.
+PointCloud shell_of(const StartInputs& in) {
+  if (!in.config.init.far_shell || !in.sensor_depth) return {};
+  const MeasuredHull room = measured_room(in.views, in.depth_scales);
+  return far_shell(in.views, room, in.extent, static_cast<size_t>(in.max_gaussians / kShellShare));
+}
+
+/// Appends points that one view alone knows.
+void append_shell(const PointCloud& shell, DepthCloud& fused) {
+  PointCloud& cloud = fused.cloud;
+  cloud.positions.insert(cloud.positions.end(), shell.positions.begin(), shell.positions.end());
+  cloud.colors.insert(cloud.colors.end(), shell.colors.begin(), shell.colors.end());
+  if (!cloud.normals.empty()) cloud.normals.insert(cloud.normals.end(), shell.normals.begin(), shell.normals.end());
+  fused.views.insert(fused.views.end(), shell.size(), 1);
+}
+
+DepthCloud fuse(const StartInputs& in, size_t most) {
   std::vector<ImageF> depths, weights;  // changed copies
   depths.reserve(in.views.size());
   weights.reserve(in.views.size());
@@ -47,7 +67,7 @@ DepthCloud fuse(const StartInputs& in) {
     sources.push_back(source);
   }
   DepthCloudOptions options;
-  options.max_points = static_cast<size_t>(in.max_gaussians);
+  options.max_points = most;
   options.voxel_footprints = in.config.init.voxel_footprints;
   options.keep_single_view = in.config.init.single_view_opacity > 0;
   return fuse_depth_cloud(sources, options, in.pool);
@@ -55,9 +75,14 @@ DepthCloud fuse(const StartInputs& in) {
 
 StartModel start_from_depth(const StartInputs& in) {
   const InitConfig& c = in.config.init;
-  const DepthCloud fused = fuse(in);
+  const PointCloud shell = shell_of(in);
+  DepthCloud fused = fuse(in, static_cast<size_t>(in.max_gaussians) - shell.size());
   StartModel start;
   if (fused.cloud.size() == 0) return start;
+  if (shell.size() > 0) {
+    append_shell(shell, fused);
+    log_info("far background: {} Gaussians behind the room, where the sensor measured nothing", shell.size());
+  }
   InitialiseOptions options;
   options.semantic_channels = in.semantic_channels;
   options.opacity = static_cast<float>(c.depth_opacity);

@@ -23,6 +23,7 @@ struct StartInputs {
   int64_t max_gaussians = 1;  ///< start_limit() of training_set.h
   double extent = 1;          ///< robust scene extent, scene units
   ThreadPool& pool;
+  bool sensor_depth = false;  ///< the prior depth is a sensor's
 };
 
 struct StartModel {

@@ -195,6 +195,7 @@ void Run::prepare_folder() {
   record_.warnings.clear();
   record_.trained.clear();
   record_.prior_depth = use_.depth_note;
+  if (!options_.camera_note.empty()) record_.cameras = options_.camera_note;
   for (const std::string& message : use_.warnings) warn(message);
   // A run that exists keeps its file unless its end moves: every byte of it is the user's. A new run's record comes
   // first: it is what
@@ -225,7 +226,8 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
     all_pixels += size;
   }
   const int64_t limit = start_limit(config_, pixels);
-  const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, limit, extent_, *pool_};
+  const StartInputs start_inputs{config_,  views, scales,  scene_.cloud, use_.depth,
+                                 channels, limit, extent_, *pool_,       is_sensor_depth(scene_.prior_source)};
   StartModel begun =
       make_start_model(start_inputs, random_of(static_cast<uint64_t>(config_.train.seed), RandomPurpose::kStart));
   if (config_.densify.morton_order) sort_by_morton(begun.model);

@@ -30,6 +30,7 @@ struct TrainOptions {
   bool strict = false;          ///< a view that cannot be used is Error{kBadInput} instead of being left out
   uint64_t memory_limit = 0;    ///< bytes; 0: 80 % of what is free
   std::string command_line;     ///< as typed, for run.json
+  std::string camera_note;      ///< of the check of a sensor's cameras, for run.json
   std::string resume_command;   ///< shown after an interruption; empty: "aligngs train SCENE -o RUN --resume"
   ProgressStyle progress;
 };

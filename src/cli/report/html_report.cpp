@@ -204,6 +204,7 @@ std::string notes(const RunRecord& run, const std::string& priors) {
     html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) +
             "): these figures do not show how real networks would do.</p>";
   }
+  if (!run.cameras.empty()) html += "<p class=\"note\">Cameras: " + escape_html(run.cameras) + ".</p>";
   for (const std::string& warning : run.warnings) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
   return html;
 }

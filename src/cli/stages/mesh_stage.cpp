@@ -2,11 +2,14 @@
 
 #include "cli/stages/surface_pictures.h"
 #include "core/error.h"
+#include "core/is_depth.h"
 #include "core/log.h"
 #include "mesh/surface_depth.h"
 #include "scene/depth_placement.h"
+#include "scene/measured_hull.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
+#include "train/far_shell.h"
 #include "train/training_set.h"
 
 namespace aligngs {
@@ -115,6 +118,37 @@ void hide_pixels(const LoadedRun& run, int view, FusionFrame& frame, HiddenPixel
   }
 }
 
+/// Takes the far background out of rendered frames: depth behind the measured room, where the sensor measured nothing.
+void drop_far_background(const LoadedRun& run, const PriorUse& use, std::vector<FusionFrame>& frames) {
+  const std::vector<int>& train = run.scene().train;
+  std::vector<Camera> cameras;
+  std::vector<ImageF> priors;
+  for (size_t i = 0; i < train.size(); ++i) {
+    LoadOptions options = run.load_options();
+    options.semantics = false;
+    options.prior_depth = true;
+    options.depth_factor = use.depth_factor(i);
+    ViewData data = load_view(run.scene(), train[i], options);
+    cameras.push_back(data.camera);
+    priors.push_back(std::move(data.prior_depth));
+  }
+  std::vector<const ImageF*> depths;
+  for (const ImageF& prior : priors) depths.push_back(&prior);
+  const MeasuredHull room(cameras, depths);
+  if (room.empty()) return;
+  const double most = FarShellSettings{}.gap * robust_extent(run.scene()) / 2;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    FusionFrame& frame = frames[i];
+    for (int y = 0; y < frame.depth.height; ++y) {
+      for (int x = 0; x < frame.depth.width; ++x) {
+        float& z = frame.depth.at(x, y);
+        if (!is_depth(z) || (i < priors.size() && is_depth(priors[i].at(x, y)))) continue;
+        if (room.outside(frame.camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z))) > most) z = 0;
+      }
+    }
+  }
+}
+
 /// A camera half-way between two: mean centre, mean rotation, the first one's intrinsics.
 Camera between(const Camera& a, const Camera& b) {
   const Quaterniond p = quaternion_of(a.world_to_camera.rotation), q0 = quaternion_of(b.world_to_camera.rotation);
@@ -191,6 +225,8 @@ MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
   const bool rendered = options.source == DepthSource::kRendered;
   if (rendered && run.config().mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
+  if (rendered && run.config().init.far_shell && is_sensor_depth(run.scene().prior_source))
+    drop_far_background(run, use, frames);
   if (rendered) improve_depth(run, frames);
   FusionOptions fusion = fusion_options(run);
   if (options.make_device) fusion.device = options.make_device();

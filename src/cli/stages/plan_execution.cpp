@@ -53,6 +53,9 @@ class ScenePreparation {
     return folder_;
   }
 
+  /// How well cameras of a sensor agree with the photos; empty where that was not measured.
+  const std::string& camera_note() const { return camera_note_; }
+
  private:
   void carry_out(const PlannedStep& step) {
     const fs::path own = plan_.own_scene();
@@ -77,11 +80,17 @@ class ScenePreparation {
         folder_ = own;
         return;
       case RunStep::kComplete:
-        if (complete_into_run(scene(), plan_.run, plan_.config, context_)) folder_ = own;
+        complete(own);
         return;
       default:
         return;  // steps of training and after it
     }
+  }
+
+  void complete(const fs::path& own) {
+    CompletedScene completed = complete_into_run(scene(), plan_.run, plan_.config, context_);
+    if (completed.written) folder_ = own;
+    camera_note_ = std::move(completed.camera_note);
   }
 
   const Scene& scene() {
@@ -122,6 +131,7 @@ class ScenePreparation {
   const PlanExecutionOptions& options_;
   const ModelStore& store_;
   const CommandContext& context_;
+  std::string camera_note_;
   fs::path folder_;              ///< of the scene as the steps so far left it
   std::optional<Scene> opened_;  ///< of folder_; empty until a step needs it
 };
@@ -131,7 +141,9 @@ class ScenePreparation {
 RunMetrics execute_plan(const RunPlan& plan, const RunRequest& request, const PlanExecutionOptions& options,
                         const ModelStore& store, const CommandContext& context) {
   TrainOptions train = request.train;
-  train.scene = ScenePreparation(plan, request, options, store, context).prepare();
+  ScenePreparation preparation(plan, request, options, store, context);
+  train.scene = preparation.prepare();
+  train.camera_note = preparation.camera_note();
   return run_pipeline(plan, train, context, fusion_of_device(options.device));
 }
 

@@ -1,5 +1,7 @@
 #include "cli/stages/refine_stage.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -34,6 +36,19 @@ Scene trained_part(Scene scene, const TrainConfig& config) {
   return scene;
 }
 
+/// How well cameras that came with a sensor's depth agree with the photos, and what was done about it.
+std::string describe_check(const SensorCameras& check, bool asked) {
+  if (check.matches == 0)
+    return "the photos share no corner with depth, so that nothing tells how exact the cameras are";
+  const std::string found =
+      fmt::format("{} matches of the photos lie {:.2f} px (median) from where cameras and depth put them",
+                  check.matches, check.before);
+  if (check.corrected) return fmt::format("{}; corrected to {:.2f} px", found, check.after);
+  if (check.after < check.before)
+    return fmt::format("{}; corrected ones would leave {:.2f} px, so they stay", found, check.after);
+  return found + (asked ? "; they stay as they are" : "; data.sensor_cameras=true corrects them where that helps");
+}
+
 }  // namespace
 
 bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
@@ -52,20 +67,30 @@ bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig
   return true;
 }
 
-bool complete_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
-                       const CommandContext& context) {
+CompletedScene complete_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
+                                 const CommandContext& context) {
   CompleteSceneOptions options;
+  options.check_cameras = is_sensor_depth(scene.prior_source);
+  options.correct_cameras = options.check_cameras && config.data.sensor_cameras && bundle_adjustment_available();
   options.overwrite = options.in_place = true;  // RUN/scene may be what is read
   options.exposure = config.data.exposure && config.data.sensor_exposure;
+  options.clean = config.data.clean_depth;
   options.holes = config.data.fill_depth;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const CompleteSceneReport report = complete_scene(trained_part(scene, config), run / "scene", options, pool);
+  CompletedScene completed{report.corrected || report.exposed || report.cleaned || report.completed,
+                           options.check_cameras ? describe_check(report.cameras, options.correct_cameras) : ""};
+  if (!completed.camera_note.empty()) log_info("cameras: {}", completed.camera_note);
   if (options.exposure) {
     log_info(
         "exposures: the brightest photo has {:.2f} times the light of the darkest, in the channel that differs most{}",
         std::exp(report.span), report.exposed ? "" : "; photos are used as they are");
+  }
+  if (report.cleaned) {
+    log_info("depth of the sensor: {:.1f} % of its pixels mix two surfaces and are left out, {:.0f} % are doubtful",
+             100 * report.mixed, 100 * report.doubtful);
   }
   if (report.completed) {
     log_info(
@@ -73,7 +98,7 @@ bool complete_into_run(const Scene& scene, const fs::path& run, const TrainConfi
         "by {:.1f} %",
         100 * report.holes, 100 * report.filled, 100 * report.disagreement);
   }
-  return report.exposed || report.completed;
+  return completed;
 }
 
 void refine_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,

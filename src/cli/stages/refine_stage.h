@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "cli/command.h"
 #include "scene/scene.h"
@@ -15,11 +16,15 @@ namespace aligngs {
 bool measure_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
                       const CommandContext& context);
 
+struct CompletedScene {
+  bool written = false;     ///< RUN/scene is there; otherwise nothing was to be done
+  std::string camera_note;  ///< how well the cameras agree with the photos; empty where that was not measured
+};
+
 /// Completes `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what
 /// was found.
-/// false: nothing was to be done, and nothing is written.
-bool complete_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
-                       const CommandContext& context);
+CompletedScene complete_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
+                                 const CommandContext& context);
 
 /// Refines `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far
 /// the
