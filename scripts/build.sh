@@ -14,4 +14,6 @@ if ! cmake -S . -B "$folder" -G Ninja "$@" >"$log" 2>&1; then
   cat "$log" >&2
   exit 1
 fi
-cmake --build "$folder" --parallel "$(nproc)"
+# Each line of ninja also tells how long the rest will take.
+export NINJA_STATUS='[%f/%t] '
+cmake --build "$folder" --parallel "$(nproc)" | python3 -B scripts/build_progress.py "$folder"

@@ -12,7 +12,8 @@ if [ "$cuda" = AUTO ] && ! compgen -G '/dev/nvidia[0-9]*' >/dev/null && [ ! -e /
 elif [ "$cuda" = AUTO ]; then
   export CUDAARCHS=${CUDAARCHS:-native}
 fi
-echo "demo.sh: building; ninja counts what is left"
+echo "demo.sh: 1 of 2: building with $(nproc) processors; the time that is left follows"
 "$here/scripts/build.sh" build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF \
   -DALIGNGS_UNITY_BUILD=ON "-DALIGNGS_WITH_CUDA=$cuda"
+echo "demo.sh: 2 of 2: reconstructing a synthetic room"
 exec "$here/build/aligngs" demo "$@"

@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
 """The manifest that `aligngs batch --print kubernetes` writes, against job.schema.json; and that the schema finds faults.
 
-    manifest_test.py PROGRAM      77 where python3-yaml or python3-jsonschema is missing"""
+    manifest_test.py PROGRAM      77 where python3-yaml or python3-jsonschema is missing
+
+KUBERNETES_OPENAPI=FILE checks it strictly against the published description of the interface as well, which is
+api/openapi-spec/swagger.json of the sources of Kubernetes. It is too large for this repository."""
 import copy
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -29,9 +33,32 @@ def manifest(rooms, *options):
     return yaml.safe_load(text)
 
 
+def published_schema(file):
+    """Of a Job. Unknown fields are errors; two types are texts or numbers, which the description does not say."""
+    definitions = json.loads(Path(file).read_text())["definitions"]
+    for definition in definitions.values():
+        if "properties" in definition:
+            definition.setdefault("additionalProperties", False)
+    definitions["io.k8s.apimachinery.pkg.util.intstr.IntOrString"] = {"type": ["integer", "string"]}
+    definitions["io.k8s.apimachinery.pkg.api.resource.Quantity"] = {"type": ["number", "string"]}
+    return {"$ref": "#/definitions/io.k8s.api.batch.v1.Job", "definitions": definitions}
+
+
 class Manifest(unittest.TestCase):
     def test_follows_the_schema(self):
         jsonschema.validate(manifest(12, "--jobs", "3"), SCHEMA)
+
+    @unittest.skipUnless("KUBERNETES_OPENAPI" in os.environ, "KUBERNETES_OPENAPI names no file")
+    def test_follows_the_published_schema(self):
+        schema = published_schema(os.environ["KUBERNETES_OPENAPI"])
+        job = manifest(12, "--jobs", "3", "--shards", "5")
+        jsonschema.validate(job, schema)
+        for fault in (lambda m: m["spec"].update(podFailurePolicies={}),
+                      lambda m: m["spec"]["podFailurePolicy"]["rules"][0]["onExitCodes"].update(values=["75"])):
+            bad = copy.deepcopy(job)
+            fault(bad)
+            with self.assertRaises(jsonschema.ValidationError):
+                jsonschema.validate(bad, schema)
 
     def test_has_a_pod_a_room_and_names_of_files_as_they_are(self):
         spec = manifest(5)["spec"]
