@@ -7,6 +7,7 @@
 
 #include "cli/stages/video_writer.h"
 #include "io/atomic_file.h"
+#include "io/drawn_picture.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
 #include "support/process.h"
@@ -141,7 +142,8 @@ TEST_F(CameraPathCommand, RefusesWhatMakesNoSenseAndWritesNothing) {
 }
 
 TEST_F(CameraPathCommand, CtrlCLeavesNothingHalfWritten) {
-  write_file_atomically(root() / "out" / "old.mp4", "old");
+  const std::string old = std::string("old, ") + kDrawnMark;
+  write_file_atomically(root() / "out" / "old.mp4", old);
   const auto begun = [] {
     for (const auto& entry : fs::directory_iterator(root() / "out")) {
       if (entry.path().filename().string().find(".tmp-") != std::string::npos) return true;
@@ -157,7 +159,7 @@ TEST_F(CameraPathCommand, CtrlCLeavesNothingHalfWritten) {
     EXPECT_EQ(process.wait(kPatience), 75) << process.err();
     EXPECT_THAT(process.err(), HasSubstr("Ctrl-C was heard"));
     EXPECT_EQ(files(root() / "out"), 1u) << output;
-    EXPECT_EQ(read_file(root() / "out" / "old.mp4"), "old");
+    EXPECT_EQ(read_file(root() / "out" / "old.mp4"), old);
   }
 }
 

@@ -62,7 +62,7 @@ std::string told_together(const std::vector<const LeftOut*>& group, bool all) {
   const bool one_fault =
       std::all_of(group.begin(), group.end(), [&](const LeftOut* f) { return fault_of(*f) == fault_of(first); });
   return fmt::format("{} ({}{})", all ? "all" : names,
-                     one_fault ? "" : "such as: ", one_reason ? first.reason : fault_of(first));
+                     one_fault ? "" : "such as: ", one_reason || !one_fault ? first.reason : fault_of(first));
 }
 
 }  // namespace

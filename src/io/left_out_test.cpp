@@ -45,6 +45,14 @@ TEST(LeftOut, OneFaultWithOtherNumbersIsToldOnce) {
             "1 of 5 frames; left out: a, b, c and 1 more (such as: t.json, frames[8].pose: not finite)");
 }
 
+TEST(LeftOut, AFaultWithOtherNumbersNamesTheFileOfTheFirst) {
+  std::vector<LeftOut> frames;
+  for (const char* name : {"a", "b", "c"})
+    frames.push_back(
+        {name, std::string("depth/") + name + ".npy, values: " + std::to_string(frames.size()) + " nan", ""});
+  EXPECT_EQ(summary_of(0, frames), "0 of 3 frames; left out: all (such as: depth/a.npy, values: 0 nan)");
+}
+
 TEST(LeftOut, BadInputOfOneFrameLeavesItOut) {
   std::vector<LeftOut> left_out;
   EXPECT_FALSE(use_or_leave_out("a", left_out, [] {
