@@ -1,7 +1,6 @@
 #include "edit/apply_edit.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "core/append.h"
@@ -18,6 +17,7 @@
 #include "edit/object_parts.h"
 #include "edit/recolor.h"
 #include "edit/replace_object.h"
+#include "edit/taken_objects.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs {
@@ -59,18 +59,9 @@ void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::
 
 /// Gaussians that a deletion leaves of objects that it takes for the most part: specks inside of other things.
 std::vector<uint8_t> rest_of_objects(const LabelledGaussians& room, const std::vector<uint8_t>& mask) {
-  constexpr size_t kMost = 2;                                                 // selected: at least one of two Gaussians
-  std::map<std::pair<uint16_t, uint16_t>, std::pair<size_t, size_t>> counts;  // selected, all
-  for (size_t i = 0; i < mask.size(); ++i) {
-    auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
-    selected += mask[i];
-    ++all;
-  }
+  const TakenObjects taken(room.labels, mask);
   std::vector<uint8_t> rest(mask.size(), 0);
-  for (size_t i = 0; i < mask.size(); ++i) {
-    const auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
-    rest[i] = !mask[i] && room.labels.label[i] != kNoLabel && kMost * selected >= all;
-  }
+  for (size_t i = 0; i < mask.size(); ++i) rest[i] = !mask[i] && taken.holds_row(i);
   return rest;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
@@ -14,6 +13,7 @@
 #include "edit/fill/room_planes.h"
 #include "edit/fill/stains.h"
 #include "edit/support_fill.h"
+#include "edit/taken_objects.h"
 #include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
@@ -33,9 +33,9 @@ class Filler {
         parts_(connected_parts(input.room, input.selected)),
         hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent),
         planes_(room_planes(room_, classes_, input_.selected, place_inside(room_, input_.cameras))),
-        stains_(room_, points_of(input.selected), furniture_points(), settings) {
+        stains_(room_, points_of(input.selected), furniture_points(), settings),
+        taken_(room_.labels, input.selected) {
     gone_ = input_.selected;
-    find_removed_objects();
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
   }
 
@@ -168,30 +168,13 @@ class Filler {
         const uint16_t label = room_.labels.label[i];
         if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size()) return;
         const Vec3d place = position_of(room_.model, i);
-        if (classes_[label].shell != plane.kind && !(is_of_removed(i) && lies_on(place, plane))) return;
+        if (classes_[label].shell != plane.kind && !(taken_.holds_row(i) && lies_on(place, plane))) return;
         if (nearest_plane(place, plane.kind) != &plane) return;
         debris[i] = under.holds(place) || stains_.is_stain(i, surface) || hidden_.from_all(place);
       });
     }
     return debris;
   }
-  using Object = std::pair<uint16_t, uint16_t>;  ///< class and instance
-  Object object_of(size_t i) const { return {room_.labels.label[i], room_.labels.instance[i]}; }
-  /// Objects of which at least half the rows are selected.
-  void find_removed_objects() {
-    std::map<Object, std::pair<size_t, size_t>> counts;  // of all rows, and of selected ones
-    for (size_t i = 0; i < input_.selected.size(); ++i) {
-      if (room_.labels.label[i] == kNoLabel) continue;
-      auto& [all, selected] = counts[object_of(i)];
-      ++all;
-      selected += input_.selected[i];
-    }
-    for (const auto& [object, count] : counts) {
-      if (2 * count.second >= count.first) removed_objects_.insert(object);
-    }
-  }
-  /// By its labels, also where the selection leaves it out because its neighbours belong to another object.
-  bool is_of_removed(size_t i) const { return removed_objects_.count(object_of(i)) > 0; }
   bool lies_on(const Vec3d& place, const RoomPlane& plane) const {
     return std::fabs(dot(plane.normal, place) - plane.offset) < settings_.tolerance * extent_;
   }
@@ -200,7 +183,7 @@ class Filler {
   std::vector<uint8_t> leftovers() const {
     std::vector<uint8_t> out(room_.model.size(), 0);
     for (size_t i = 0; i < out.size(); ++i) {
-      if (input_.selected[i] || !is_of_removed(i)) continue;
+      if (input_.selected[i] || !taken_.holds_row(i)) continue;
       const Vec3d place = position_of(room_.model, i);
       out[i] =
           std::none_of(planes_.begin(), planes_.end(), [&](const RoomPlane& plane) { return lies_on(place, plane); });
@@ -280,7 +263,7 @@ class Filler {
       for (const Instance& rug : list_instances(room_.model, room_.labels)) {
         if (!classes_[static_cast<size_t>(rug.label)].on_floor) continue;
         // The remains of a rug that goes are no rug.
-        if (removed_objects_.count({static_cast<uint16_t>(rug.label), static_cast<uint16_t>(rug.number)}) > 0) continue;
+        if (taken_.holds(static_cast<uint16_t>(rug.label), static_cast<uint16_t>(rug.number))) continue;
         const std::vector<uint32_t> rows = rows_on(grid, rug.label, rug.number, 2 * settings_.tolerance);
         if (rows.size() < kFewestCarriers) continue;
         std::vector<Vec2d> places;
@@ -365,8 +348,8 @@ class Filler {
   HiddenPlaces hidden_;
   std::vector<RoomPlane> planes_;
   Stains stains_;
+  TakenObjects taken_;
   std::vector<uint8_t> gone_;  ///< selected, and debris
-  std::set<Object> removed_objects_;
   std::vector<int> openings_;  ///< classes
 };
 
