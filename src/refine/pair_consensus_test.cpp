@@ -4,28 +4,19 @@
 
 #include "core/random.h"
 #include "core/rotation_vector.h"
+#include "refine/small_camera_for_tests.h"
 
 namespace aligngs {
 namespace {
 
 constexpr double kFarOff = 30;  // pixels, of wrong matches: beyond what pairs agree within, inside of a wide search
 
-Camera camera() {
-  Camera c;
-  c.width = 320;
-  c.height = 240;
-  c.fx = c.fy = 250;
-  c.cx = 160;
-  c.cy = 120;
-  return c;
-}
-
 /// Two photos. The second is some degrees and centimetres from where its camera is.
 class PairConsensus : public testing::Test {
  protected:
   PairConsensus() {
-    views_[0].camera = views_[1].camera = camera();
-    true_second_ = camera();
+    views_[0].camera = views_[1].camera = small_camera();
+    true_second_ = small_camera();
     true_second_.world_to_camera = Rigidd{rotation_of({0.03, -0.05, 0.02}), {-0.4, 0.1, 0.05}};
     views_[1].camera.world_to_camera =
         Rigidd{rotation_of({0.02, 0.01, -0.03}), {0.05, -0.03, 0.04}} * true_second_.world_to_camera;
@@ -40,7 +31,7 @@ class PairConsensus : public testing::Test {
     Observation own, other;
     own.view = 4;
     own.pixel = {random_.uniform(60, 260), random_.uniform(60, 180)};
-    track.point = camera().unproject(own.pixel.x, own.pixel.y, depth);
+    track.point = small_camera().unproject(own.pixel.x, own.pixel.y, depth);
     other.view = 7;
     const Vec2d at = true_second_.project(true_second_.world_to_camera * track.point);
     const double off = right ? 0.5 : kFarOff;

@@ -7,17 +7,13 @@
 #include "core/random.h"
 #include "core/rotation_vector.h"
 #include "refine/bundle_adjustment.h"
+#include "refine/small_camera_for_tests.h"
 
 namespace aligngs {
 namespace {
 
 Camera camera() {
-  Camera c;
-  c.width = 320;
-  c.height = 240;
-  c.fx = c.fy = 250;
-  c.cx = 160;
-  c.cy = 120;
+  Camera c = small_camera();
   c.world_to_camera.translation = {0.1, -0.2, 0.3};
   return c;
 }
