@@ -16,6 +16,8 @@ target_compile_options(aligngs_flags INTERFACE "$<$<NOT:$<COMPILE_LANGUAGE:CUDA>
 # CUDA sources: constexpr functions of the library (std::min) on the device too.
 target_compile_options(aligngs_flags INTERFACE "$<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr;-Xcompiler=-Wall,-Wextra,-Wno-unused-parameter>")
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # Memory is collected less often: a tenth less time for a third more memory, and the same code.
+  target_compile_options(aligngs_flags INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-expand=400>")
   # GCC 12 false alarms in its own string and vector (bugs 105651, 105329)
   target_compile_options(aligngs_flags INTERFACE "$<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>")
 endif()

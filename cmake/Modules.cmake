@@ -4,18 +4,34 @@ set_property(GLOBAL PROPERTY ALIGNGS_MODULES "")
 # source costs the time of its whole unit, so that this is for builds that nobody works in.
 option(ALIGNGS_UNITY_BUILD "Compile several sources of a module at once: a first build takes half the time" OFF)
 
-# aligngs_module(NAME [TOGETHER] LIBRARIES ...): a static library of src/NAME/**/*.cpp. TOGETHER lets unity builds compile
-# its sources in groups: names in their anonymous namespaces must differ. Sources for one instruction set, or that include
-# themselves for each (Highway's foreach_target.h), are compiled alone. The tests beside the sources are collected in
-# tests/CMakeLists.txt, one program per module. cuda/ folders: cmake/Cuda.cmake.
+# aligngs_module(NAME [TOGETHER] [GROUP count] [HEAVY expression] LIBRARIES ...): a static library of src/NAME/**/*.cpp.
+# TOGETHER lets unity builds compile its sources in groups: names in their anonymous namespaces must differ. A group has
+# eight sources unless GROUP says otherwise. Files with a line that HEAVY matches, the include of a large header, come
+# first, so that few groups read it. Sources for one instruction set, or that include themselves for each (Highway's
+# foreach_target.h), are compiled alone. The tests beside the sources are collected in tests/CMakeLists.txt, one program
+# per module. cuda/ folders: cmake/Cuda.cmake.
 function(aligngs_module name)
-  cmake_parse_arguments(ARG "TOGETHER" "" "LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "GROUP;HEAVY" "LIBRARIES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$|/src/[a-z]+/cuda/")
+  if(ARG_HEAVY)
+    set(heavy)
+    foreach(file IN LISTS sources)
+      file(STRINGS ${file} lines REGEX "${ARG_HEAVY}")
+      if(lines)
+        list(APPEND heavy ${file})
+      endif()
+    endforeach()
+    list(REMOVE_ITEM sources ${heavy})
+    list(PREPEND sources ${heavy})
+  endif()
+  if(NOT ARG_GROUP)
+    set(ARG_GROUP 8)
+  endif()
   if(sources)
     add_library(aligngs_${name} STATIC ${sources})
     if(ARG_TOGETHER AND ALIGNGS_UNITY_BUILD)
-      set_target_properties(aligngs_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+      set_target_properties(aligngs_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_GROUP})
       if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
         # GCC takes a source that another includes for a header, where anonymous namespaces would be a fault.
         target_compile_options(aligngs_${name} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)

@@ -1,6 +1,6 @@
 // `aligngs batch LIST -o DIR`: many rooms, on this machine or as one of many workers of a cluster.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // `aligngs batch status|collect|retry DIR`: what became of the rooms of a batch.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <cstdio>

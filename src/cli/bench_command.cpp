@@ -1,5 +1,5 @@
 // `aligngs bench`: how fast this version trains on this machine, and how far that is from what the machine can do.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // `aligngs compare RUN RUN...`: figures side by side, with the noise they carry.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>

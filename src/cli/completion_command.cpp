@@ -1,5 +1,5 @@
 // `aligngs completion` and `aligngs manual`: what a shell and `man` need to know, made from the command tree itself.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // `aligngs demo`: a synthetic room through the whole pipeline, the first command that a newcomer types.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>

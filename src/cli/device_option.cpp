@@ -1,6 +1,6 @@
 #include "cli/device_option.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include "core/log.h"
 #include "engine/cuda/make_engine.h"

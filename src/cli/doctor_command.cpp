@@ -1,7 +1,7 @@
 // `aligngs doctor`: what this machine has, what aligngs will use of it, and what is missing.
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <fstream>

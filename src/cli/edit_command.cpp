@@ -1,5 +1,5 @@
 // `aligngs edit RUN`: delete, extract, move, copy, recolour and highlight objects by name.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

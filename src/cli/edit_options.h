@@ -1,7 +1,7 @@
 // The options of `aligngs edit`, and the edit that they say.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <memory>
 #include <optional>
 #include <string>

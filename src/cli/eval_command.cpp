@@ -1,6 +1,6 @@
 // `aligngs eval RUN`: measures and writes metrics.json.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

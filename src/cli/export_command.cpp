@@ -1,6 +1,6 @@
 // `aligngs export RUN`: files for other programs.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 

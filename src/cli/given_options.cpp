@@ -1,6 +1,6 @@
 #include "cli/given_options.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

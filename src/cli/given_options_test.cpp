@@ -1,7 +1,7 @@
 #include "cli/given_options.h"
 
 #include <gmock/gmock.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 
 #include "core/error.h"

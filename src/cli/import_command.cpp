@@ -1,6 +1,6 @@
 // `aligngs import SRC -o SCENE`: other layouts become a scene folder.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // `aligngs info FILE_OR_FOLDER`: what it is, what is in it, who wrote it.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <cstdio>

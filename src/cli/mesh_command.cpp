@@ -1,5 +1,5 @@
 // `aligngs mesh RUN`: the surface of a run.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 // `aligngs models`: the published weights, listed, fetched, checked, found, imported.
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <cstdlib>

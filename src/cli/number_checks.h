@@ -1,7 +1,7 @@
 // Checks of numbers whose messages say what is allowed; CLI11's own print the largest double.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <string>

@@ -1,6 +1,6 @@
 #include "cli/photo_options.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // `aligngs poses PHOTOS -o SCENE`: cameras and a cloud for photos.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // `aligngs priors SCENE`: depth and classes of the training views by networks.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct PriorsOptions {
   std::string scene, output, depth = "auto", semantics = "auto", precision = "auto", device = "auto";
   double memory_gigabytes = 0;
   ScenePriorsOptions fill;
@@ -42,14 +42,14 @@ std::string line_of(const ScenePriorsReport& report) {
 }
 
 /// Priors are filled in a scene that this program wrote, or in a copy of it.
-void require_place(const Options& options) {
+void require_place(const PriorsOptions& options) {
   if (!options.output.empty()) return require_scene_place(options.output, options.fill.overwrite, {options.scene});
   if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // opening reports non-folders
   throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed",
                options.scene, "scene", "name a folder for a copy with the priors: -o OUT"});
 }
 
-void run_priors(const CommandContext& context, Options& options) {
+void run_priors(const CommandContext& context, PriorsOptions& options) {
   require_place(options);
   options.fill.precision = precision_of(options.precision);
   put_networks_on(options.device, options.precision, true, options.fill);
@@ -117,7 +117,7 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
        .writes = "pred_depths/, pred_confidence/, segmentation_logits/ and priors.json of SCENE, or of the copy OUT",
        .example = "aligngs priors scene --semantics linear-b --depth vggt",
        .advanced = "aligngs priors scene -o filled --semantics m2f --depth none --memory 12"}));
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PriorsOptions>();
   command->add_option("scene", options->scene, "scene folder")->required();
   command
       ->add_option("-o,--output", options->output,

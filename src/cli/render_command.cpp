@@ -1,5 +1,5 @@
 // `aligngs render RUN`: pictures of the run's views, and of a camera that goes through the room.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // `aligngs report RUN`: report.html and overview.jpg from the files of the run folder.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // `aligngs room RUN`: the room as data.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 

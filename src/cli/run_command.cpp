@@ -1,5 +1,5 @@
 // `aligngs run PHOTOS_OR_SCENE -o RUN`: everything from photos, or from a scene folder, to the report.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <filesystem>
 
 #include "cli/device_option.h"

@@ -1,5 +1,5 @@
 // `aligngs scale RUN`: the scale of a run from a known length.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // `aligngs synth OUT`: a procedural room with exact truth and simulated teachers, and how those teachers compare with
 // real networks.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #include "cli/synth_options.h"
 #include "cli/number_checks.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 #include <cmath>
 

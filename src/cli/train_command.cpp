@@ -1,5 +1,5 @@
 // `aligngs train SCENE -o RUN`: optimises the Gaussians of a scene.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 

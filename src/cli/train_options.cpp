@@ -1,6 +1,6 @@
 #include "cli/train_options.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include "cli/device_option.h"
 #include "cli/number_checks.h"

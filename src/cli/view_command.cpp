@@ -1,5 +1,5 @@
 // `aligngs view RUN|FILE`: the page that shows a run, while it trains and afterwards.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -8,8 +8,8 @@ namespace aligngs {
 namespace {
 
 constexpr int kNodes = DepthGrid::kColumns * DepthGrid::kRows;
-constexpr int kRounds = 10;     // of reweighting; weights settle in fewer
-constexpr double kHuber = 1.5;  // standard deviations
+constexpr int kGridRounds = 10;  // of reweighting; weights settle in fewer
+constexpr double kHuber = 1.5;   // standard deviations
 
 struct Weights {
   int node[4];
@@ -27,12 +27,12 @@ Weights weights_at(double x, double y) {
           {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
 }
 
-using Matrix = Eigen::Matrix<double, kNodes, kNodes>;
-using Vector = Eigen::Matrix<double, kNodes, 1>;
+using NodeMatrix = Eigen::Matrix<double, kNodes, kNodes>;
+using NodeVector = Eigen::Matrix<double, kNodes, 1>;
 
 /// Nodes near zero, and near their neighbours.
-Matrix regularisation(const DepthGridSettings& s) {
-  Matrix out = Matrix::Identity() / (s.deviation * s.deviation);
+NodeMatrix regularisation(const DepthGridSettings& s) {
+  NodeMatrix out = NodeMatrix::Identity() / (s.deviation * s.deviation);
   const double tie = 1 / (s.smoothness * s.smoothness);
   const auto join = [&](int a, int b) {
     out(a, a) += tie;
@@ -72,10 +72,10 @@ void DepthGrid::apply(ImageF& depth) const {
 DepthGrid fit_depth_grid(const std::vector<DepthSample>& samples, const DepthGridSettings& s) {
   DepthGrid grid;
   if (samples.size() < s.min_samples) return grid;
-  const Matrix prior = regularisation(s);
-  for (int round = 0; round < kRounds; ++round) {
-    Matrix normal = prior;
-    Vector right = Vector::Zero();
+  const NodeMatrix prior = regularisation(s);
+  for (int round = 0; round < kGridRounds; ++round) {
+    NodeMatrix normal = prior;
+    NodeVector right = NodeVector::Zero();
     for (const DepthSample& sample : samples) {
       if (!std::isfinite(sample.log_ratio)) continue;
       const double residual = std::abs(sample.log_ratio - grid.at(sample.x, sample.y)) / s.sigma;
@@ -86,7 +86,7 @@ DepthGrid fit_depth_grid(const std::vector<DepthSample>& samples, const DepthGri
         for (int j = 0; j < 4; ++j) normal(w.node[i], w.node[j]) += weight * w.share[i] * w.share[j];
       }
     }
-    const Vector solution = normal.ldlt().solve(right);
+    const NodeVector solution = normal.ldlt().solve(right);
     for (int i = 0; i < kNodes; ++i)
       grid.log_factor[static_cast<size_t>(i)] = std::clamp(solution(i), -s.limit, s.limit);
   }

@@ -12,7 +12,7 @@ namespace aligngs {
 namespace {
 
 // of conjugate gradients; smoothing over 100 pixels needs about as many from nothing
-constexpr int kIterations = 300;
+constexpr int kSolverIterations = 300;
 constexpr double kTolerance = 3e-4;  // relative residual: a hundredth of a correction that is some percent
 constexpr int kSmallest = 16;        // pixels; a smaller problem is solved from nothing
 
@@ -97,7 +97,7 @@ ImageF solve_level(const CorrectionLevel& level, const ImageF& guess, const LogC
   Eigen::SparseMatrix<double> matrix(count, count);
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::ConjugateGradient<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
-  solver.setMaxIterations(kIterations);
+  solver.setMaxIterations(kSolverIterations);
   solver.setTolerance(kTolerance);
   solver.compute(matrix);
   const Eigen::VectorXd solution = solver.solveWithGuess(right, start);

@@ -9,15 +9,15 @@
 namespace aligngs {
 namespace {
 
-constexpr uint64_t kSeed = 1;  // the same panels every time
+constexpr uint64_t kPanelSeed = 1;  // the same panels every time
 
-struct NamedClass {
+struct NamedPanelClass {
   const char* name;
   PanelClass what;
 };
 // Blinds and pictures are here for what they are mistaken for as much as for themselves: whatever is not flat makes no
 // panel.
-constexpr NamedClass kNamedClasses[] = {
+constexpr NamedPanelClass kNamedPanelClasses[] = {
     {"windowpane", PanelClass::kInWall},     {"painting", PanelClass::kInWall},   {"poster", PanelClass::kInWall},
     {"bulletin board", PanelClass::kInWall}, {"blind", PanelClass::kInWall},      {"screen", PanelClass::kInWall},
     {"mirror", PanelClass::kFree},           {"television", PanelClass::kScreen}, {"monitor", PanelClass::kScreen},
@@ -178,7 +178,7 @@ void measure_view(const PanelsInView& panels, const std::vector<CameraPlane>& pl
 
 std::vector<PanelClass> panel_classes(const LabelSet& labels) {
   std::vector<PanelClass> out(labels.classes.size());
-  for (const NamedClass& named : kNamedClasses) {
+  for (const NamedPanelClass& named : kNamedPanelClasses) {
     const int index = labels.find(named.name);
     if (index >= 0) out[static_cast<size_t>(index)] = named.what;
   }
@@ -210,7 +210,7 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
     }
     parts += static_cast<uint32_t>(numbers.size());
   }
-  return find_panels(points, planes, settings.panels, kSeed);
+  return find_panels(points, planes, settings.panels, kPanelSeed);
 }
 
 void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes,

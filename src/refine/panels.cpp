@@ -16,9 +16,9 @@
 namespace aligngs {
 namespace {
 
-constexpr int kRefinements = 8;   // of reweighted least squares, which settles after three to five
-constexpr size_t kScored = 2000;  // points that candidates are compared on
-constexpr double kTail = 0.02;    // of the points on each side that a rectangle does not follow
+constexpr int kPanelRefinements = 8;   // of reweighted least squares, which settles after three to five
+constexpr size_t kPanelScored = 2000;  // points that candidates are compared on
+constexpr double kPanelTail = 0.02;    // of the points on each side that a rectangle does not follow
 
 using Points = std::vector<PanelPoint>;
 
@@ -78,7 +78,7 @@ Plane best_candidate(const Points& points, const std::vector<ScenePlane>& walls,
                      Random& random) {
   Points scored = points;
   random.shuffle(scored);
-  scored.resize(std::min(scored.size(), kScored));
+  scored.resize(std::min(scored.size(), kPanelScored));
   const auto any = [&]() -> const Vec3d& {
     return points[static_cast<size_t>(random.below(static_cast<int>(points.size())))].position;
   };
@@ -129,7 +129,7 @@ Plane refine(const Points& near, Plane plane, const std::vector<ScenePlane>& wal
   std::vector<Vec3d> positions;
   for (const PanelPoint& p : near) positions.push_back(p.position);
   std::vector<double> weights(near.size());
-  for (int round = 0; round < kRefinements; ++round) {
+  for (int round = 0; round < kPanelRefinements; ++round) {
     for (size_t k = 0; k < near.size(); ++k) {
       const double residual = plane.distance(positions[k]) / (0.5 * s.inlier * near[k].depth);
       weights[k] = near[k].certainty / (near[k].depth * near[k].depth) / (1 + residual * residual);
@@ -189,7 +189,7 @@ std::optional<Panel> panel_on(const Plane& plane, const Points& near, const std:
     for (const PanelPoint& p : near) along.push_back(dot(k == 0 ? panel.across : panel.up, p.position));
     std::sort(along.begin(), along.end());
     if (spread(along) < s.least_spread * depth) return std::nullopt;
-    const size_t tail = static_cast<size_t>(kTail * static_cast<double>(along.size()));
+    const size_t tail = static_cast<size_t>(kPanelTail * static_cast<double>(along.size()));
     panel.low[k] = along[tail] - s.rim * depth;
     panel.high[k] = along[along.size() - 1 - tail] + s.rim * depth;
   }

@@ -17,7 +17,7 @@ using Vector = Eigen::Matrix<double, kNumbers, 1>;
 using Matrix = Eigen::Matrix<double, kNumbers, kNumbers>;
 
 constexpr double kFirstDamping = 1e-4, kMostDamping = 1e4;  // shares of the diagonal
-constexpr double kLeastCurvature = 1e-12;                   // of numbers that nothing determines
+constexpr double kLeastLumaCurvature = 1e-12;               // of numbers that nothing determines
 constexpr int kLeastSize = 24;                              // pixels: smaller pictures show nothing
 constexpr int kBrightnessRounds = 6;
 constexpr double kGainHold = 1e-4;  // variance of grey beside which a photo has no contrast
@@ -125,7 +125,7 @@ class Aligner {
     double damping = kFirstDamping;
     for (int step = 1; step < settings_.steps && e.usable && damping < kMostDamping; ++step) {
       Matrix a = e.a;
-      for (int k = 0; k < kNumbers; ++k) a(k, k) += damping * e.a(k, k) + kLeastCurvature;
+      for (int k = 0; k < kNumbers; ++k) a(k, k) += damping * e.a(k, k) + kLeastLumaCurvature;
       const Vector d = a.ldlt().solve(-e.b);
       if (!d.allFinite()) return;
       const Rigidd turn{rotation_matrix(normalized(Quaterniond{1, d[3] / 2, d[4] / 2, d[5] / 2})), {d[0], d[1], d[2]}};

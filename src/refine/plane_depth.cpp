@@ -11,14 +11,14 @@
 namespace aligngs {
 namespace {
 
-constexpr uint64_t kSeed = 1;     // the same planes every time
+constexpr uint64_t kPlaneSeed = 1;  // the same planes every time
 constexpr int kNormalRadius = 4;  // pixels: only a rough direction is needed, and noise is worse than a rounded corner
 
-struct NamedClass {
+struct NamedPlaneClass {
   const char* name;
   PlaneClass what;
 };
-constexpr NamedClass kNamedClasses[] = {
+constexpr NamedPlaneClass kNamedPlaneClasses[] = {
     {"wall", {PlaneKind::kWall, false}},         {"floor", {PlaneKind::kFloor, false}},
     {"rug", {PlaneKind::kFloor, false, true}},   {"ceiling", {PlaneKind::kCeiling, false}},
     {"door", {PlaneKind::kWall, false, true}},   {"painting", {PlaneKind::kWall, false, true}},
@@ -173,7 +173,7 @@ FoundPlanes planes_in(const std::vector<PlaneView>& views, const std::vector<Pre
   std::vector<PlanePoint> points;
   for (size_t i = 0; i < views.size(); ++i)
     collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
-  FoundPlanes found{find_planes(points, settings.planes, kSeed), std::nullopt};
+  FoundPlanes found{find_planes(points, settings.planes, kPlaneSeed), std::nullopt};
   if (settings.square) found.axes = estimate_room_axes(found.planes);
   if (found.axes) found.planes = squared_planes(std::move(found.planes), *found.axes);
   return found;
@@ -225,7 +225,7 @@ const CameraPlane* first_on_ray(const std::vector<CameraPlane>& planes, PlaneKin
 
 std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surfaces) {
   std::vector<PlaneClass> out(labels.classes.size());
-  for (const NamedClass& named : kNamedClasses) {
+  for (const NamedPlaneClass& named : kNamedPlaneClasses) {
     const int index = labels.find(named.name);
     if (named.what.kind == PlaneKind::kTable && surfaces == PlaneSurfaces::kLayout) continue;
     if (index >= 0) out[static_cast<size_t>(index)] = named.what;

@@ -31,7 +31,7 @@ std::string padded_left(const std::string& text, size_t width) {
   return std::string(width - std::min(width, width_of(text)), ' ') + text;
 }
 
-std::string quoted(const std::string& text) {
+std::string comparison_field(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -59,7 +59,7 @@ std::string comparison_csv(const std::vector<RunScores>& runs) {
   for (const ScoreColumn& c : score_columns()) out += std::string(",") + c.csv_name;
   out += "\n";
   for (const RunScores& r : runs) {
-    out += quoted(r.name);
+    out += comparison_field(r.name);
     for (const double v : r.score) out += std::isfinite(v) ? fmt::format(",{}", v) : std::string(",");
     out += "\n";
   }

@@ -1,6 +1,6 @@
 #include "cli/shell/command_tree.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 namespace aligngs {
 namespace {

@@ -25,7 +25,7 @@ std::vector<std::string> option_names(const CommandInfo& command, const CommandI
 }
 
 /// In single quotes of a POSIX shell and of fish alike: quotes and backslashes are left out of descriptions.
-std::string quoted(std::string text) {
+std::string shell_quoted(std::string text) {
   std::erase_if(text, [](char c) { return c == '\'' || c == '\\'; });
   return "'" + text + "'";
 }
@@ -34,7 +34,7 @@ std::string quoted(std::string text) {
 std::string described(const std::string& name, const std::string& description) {
   std::string escaped;
   for (const char c : name) escaped += c == ':' ? std::string("\\:") : std::string(1, c);
-  return quoted(escaped + ":" + description);
+  return shell_quoted(escaped + ":" + description);
 }
 
 std::vector<std::string> command_names(const CommandInfo& command) {
@@ -156,20 +156,20 @@ std::string fish_completion(const CommandInfo& program) {
     for (const CommandInfo& below : command->commands) {
       const std::string when =
           seen.empty() ? "__fish_use_subcommand" : seen + "; and not __fish_seen_subcommand_from " + joined(names);
-      out += fmt::format("complete -c aligngs -f -n {} -a {} -d {}\n", quoted(when), below.name(),
-                         quoted(below.description));
+      out += fmt::format("complete -c aligngs -f -n {} -a {} -d {}\n", shell_quoted(when), below.name(),
+                         shell_quoted(below.description));
     }
     for (const OptionInfo& option : command->options) {
       if (option.positional) continue;
       std::string line = "complete -c aligngs";
-      if (!seen.empty()) line += " -n " + quoted(seen);
+      if (!seen.empty()) line += " -n " + shell_quoted(seen);
       for (const std::string& name : option.names)
         line += name.rfind("--", 0) == 0 ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (!option.choices.empty())
-        line += " -x -a " + quoted(joined(option.choices));
+        line += " -x -a " + shell_quoted(joined(option.choices));
       else if (!option.value.empty())
         line += " -r";
-      out += line + " -d " + quoted(option.description) + "\n";
+      out += line + " -d " + shell_quoted(option.description) + "\n";
     }
   }
   return out;

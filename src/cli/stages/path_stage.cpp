@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kSmallest = 16, kLargest = 8192;  // pixels
 constexpr float kSolid = 0.3f;                  // opacity of a Gaussian that is no haze
-constexpr size_t kMostFrames = 100'000;         // an hour at 27 pictures a second
+constexpr size_t kMostPathFrames = 100'000;     // an hour at 27 pictures a second
 
 bool is_tour(const std::string& path) { return path == "orbit" || path == "walk"; }
 
@@ -147,8 +147,9 @@ PathPictures render_path(LoadedRun& run, const PathStageOptions& options) {
     return out;
   }
   const double frames = std::floor(path.duration() * options.frames_per_second) + 1;
-  if (frames > static_cast<double>(kMostFrames))
-    throw_usage(fmt::format("{:.0f} pictures are more than {}", frames, kMostFrames), "use less --seconds or --fps");
+  if (frames > static_cast<double>(kMostPathFrames))
+    throw_usage(fmt::format("{:.0f} pictures are more than {}", frames, kMostPathFrames),
+                "use less --seconds or --fps");
   out.frames = static_cast<size_t>(frames);
   if (ending == ".mp4" && can_write_video()) {
     VideoWriter video(options.output, options.size.width, options.size.height, options.frames_per_second);

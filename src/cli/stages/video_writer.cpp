@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kProgram = "ffmpeg";
-constexpr const char* kQuality = "18";               // constant rate factor of x264: no loss that is seen
+constexpr const char* kVideoQuality = "18";          // constant rate factor of x264: no loss that is seen
 constexpr uint64_t kLongestLog = uint64_t(1) << 20;  // bytes
 constexpr size_t kToldBytes = 400;                   // of what ffmpeg said last
 constexpr uintmax_t kFullDisk = 64 * 1024;           // bytes: less than ffmpeg writes at once
@@ -57,7 +57,7 @@ std::vector<std::string> command_of(const fs::path& file, int width, int height,
           "-preset",
           "medium",
           "-crf",
-          kQuality,
+          kVideoQuality,
           "-pix_fmt",
           "yuv420p",
           "-movflags",

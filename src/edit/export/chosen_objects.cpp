@@ -1,7 +1,7 @@
 #include "edit/export/chosen_objects.h"
 
 #include <algorithm>
-#include <regex>
+#include <cctype>
 
 #include "core/error.h"
 #include "edit/export/object_meshes.h"
@@ -20,11 +20,32 @@ bool means(const SelectionQuery& query, int label, int instance) {
   return (query.everything || among(query.include, label, instance)) && !among(query.exclude, label, instance);
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// "pillow.002", the name of a node in an export, becomes "pillow#2". Numbers that a letter follows stay as they are.
+std::string with_object_numbers(const std::string& text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    size_t end = i + 1;
+    while (end < text.size() && is_digit(text[end])) ++end;
+    const bool inside_word =
+        end < text.size() && (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '_');
+    if (text[i] != '.' || end == i + 1 || inside_word) {
+      out += text[i];
+      continue;
+    }
+    size_t first = i + 1;
+    while (first + 1 < end && text[first] == '0') ++first;
+    out += "#" + text.substr(first, end - first);
+    i = end - 1;
+  }
+  return out;
+}
+
 }  // namespace
 
 EditableRoom chosen_objects(const EditableRoom& room, const std::string& text, ThreadPool& pool) {
-  static const std::regex node_name(R"(\.(0*)(\d+)\b)");
-  const SelectionQuery query = read_selection(room, std::regex_replace(text, node_name, "#$2"));
+  const SelectionQuery query = read_selection(room, with_object_numbers(text));
   for (const auto* terms : {&query.include, &query.exclude}) {
     for (const SelectionTerm& term : *terms) {
       if (!term.named.empty()) {
