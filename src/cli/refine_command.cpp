@@ -1,5 +1,5 @@
 // `aligngs refine SCENE`: cameras and prior depth corrected from matches between the photos.
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,7 +18,7 @@ namespace {
 struct RefineCommandOptions {
   std::string scene, output;
   bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false,
-       no_panels = false, no_screens = false;
+       no_plane_trials = false, no_panels = false, no_screens = false;
   bool no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
@@ -104,6 +104,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.surfaces = surfaces_of(options);
   refine_options.fuse_labels = options.fuse_labels;
   refine_options.plane_settings.square = !options.no_square;
+  refine_options.hypothesis_settings.enabled = !options.no_plane_trials;
   refine_options.panels = !options.no_panels;
   refine_options.screen_settings.enabled = !options.no_screens;
   refine_options.exposure = !options.no_exposure;
@@ -191,6 +192,10 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
                  "find planes by the labels of most photos, and weigh each pixel by their share")
       ->group("Planes");
   command->add_flag("--no-square", options->no_square, "keep planes as found, also in a room with right angles")
+      ->group("Planes");
+  command
+      ->add_flag("--no-plane-trials", options->no_plane_trials,
+                 "do not ask other photos whether a wall or floor is where its plane is, far from its depth")
       ->group("Planes");
   command
       ->add_flag("--no-screens", options->no_screens,

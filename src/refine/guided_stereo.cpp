@@ -124,7 +124,8 @@ void drop_small_patches(const MatchView& view, const ImageF& log_factor, const S
   }
 }
 
-/// The photos to compare each one with: those that see most of the same, from far enough apart.
+}  // namespace
+
 std::vector<std::vector<int>> stereo_partners(const std::vector<const MatchView*>& views,
                                               const StereoSettings& settings) {
   std::vector<std::vector<int>> partners(views.size());
@@ -146,8 +147,6 @@ std::vector<std::vector<int>> stereo_partners(const std::vector<const MatchView*
   }
   return partners;
 }
-
-}  // namespace
 
 std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& views, const StereoSettings& settings,
                                         ThreadPool& pool, const std::function<void(double share)>& progress) {

@@ -34,9 +34,12 @@ struct StereoResult {
   double measured = 0;  ///< share of pixels with prior depth whose own measurement was confirmed by another photo
 };
 
+/// By view, the photos to compare it with, best first: those that see most of the same, from far enough apart.
+std::vector<std::vector<int>> stereo_partners(const std::vector<const MatchView*>& views,
+                                              const StereoSettings& settings);
+
 /// One result per view. Views without depth, or that see nothing of the others, get zeros. Deterministic for any number
-/// of
-/// threads.
+/// of threads.
 std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& views, const StereoSettings& settings,
                                         ThreadPool& pool, const std::function<void(double share)>& progress = {});
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "core/median.h"
 
@@ -21,6 +22,7 @@ class Refinement {
     for (size_t i = 0; i < views.size(); ++i) (views[i].test ? test_ : train_).push_back(static_cast<int>(i));
     placed_by_.assign(views.size(), 0);
     misplaced_.assign(views.size(), false);
+    checked_.assign(views.size(), false);
     if (settings.share_focal) share_focal();
   }
 
@@ -213,12 +215,36 @@ class Refinement {
     return lost;
   }
 
-  /// Forgets what lost photos seemed to show and looks for them farther off, by the points of the others. Whether any
-  /// was found; the others follow their neighbours.
+  /// Training photos that have moved much farther than the others, each once. Their matches may agree and still be
+  /// wrong: a pattern that repeats holds a photo one flower further.
+  std::vector<int> strayed_photos() {
+    const auto shift = [&](int v) { return norm(match(v).camera.centre() - prior_[static_cast<size_t>(v)].centre()); };
+    std::vector<double> shifts;
+    for (const int v : train_) shifts.push_back(shift(v));
+    if (shifts.empty()) return {};
+    const double most = std::max(settings_.bundle.centre * extent_, settings_.stray_factor * median_of(shifts));
+    std::vector<int> strayed;
+    for (size_t i = 0; i < train_.size(); ++i) {
+      const int v = train_[i];
+      if (!(shifts[i] > most) || checked_[static_cast<size_t>(v)]) continue;
+      checked_[static_cast<size_t>(v)] = true;
+      strayed.push_back(v);
+    }
+    return strayed;
+  }
+
+  /// Forgets what lost and strayed photos seemed to show and looks for them farther off, by the points of the others.
+  /// Whether any was found; the others follow their neighbours.
   bool find_lost_photos(double lost_share) {
-    const std::vector<int> lost = lost_photos(lost_share);
-    if (lost.empty() || lost.size() == train_.size()) return false;
+    std::vector<int> lost = lost_photos(lost_share);
     const auto is_lost = [&](int v) { return std::find(lost.begin(), lost.end(), v) != lost.end(); };
+    std::vector<std::pair<int, Camera>> strayed;
+    for (const int v : strayed_photos()) {
+      if (is_lost(v)) continue;
+      strayed.emplace_back(v, match(v).camera);
+    }
+    for (const auto& [v, camera] : strayed) lost.push_back(v);
+    if (lost.empty() || lost.size() == train_.size()) return false;
     tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [&](const Track& t) { return is_lost(t.view); }),
                   tracks_.end());
     drop_observations([&](const Track&, const Observation& o) { return is_lost(o.view); });
@@ -227,12 +253,28 @@ class Refinement {
     follow_neighbours();
     std::vector<int> others;
     std::copy_if(train_.begin(), train_.end(), std::back_inserter(others), [&](int v) { return !is_lost(v); });
-    const std::vector<int> found = place(lost, others, {{settings_.lost_search, true}});
-    for (const int v : found) {
-      by_neighbour_[static_cast<size_t>(v)] = false;
-      misplaced_[static_cast<size_t>(v)] = true;
+    std::vector<int> found = place(lost, others, {{settings_.lost_search, true}});
+    for (const int v : found) misplaced_[static_cast<size_t>(v)] = true;
+    for (const auto& [v, camera] : strayed) {
+      if (!keep_camera(v, camera, others)) continue;
+      misplaced_[static_cast<size_t>(v)] = false;
+      found.push_back(v);
     }
+    for (const int v : found) by_neighbour_[static_cast<size_t>(v)] = false;
     return !found.empty();
+  }
+
+  /// Puts a photo back to where it was if more points of the others agree with that place than with the one found.
+  bool keep_camera(int view, const Camera& camera, const std::vector<int>& others) {
+    const size_t v = static_cast<size_t>(view);
+    const Camera found = match(view).camera;
+    const int agreeing = placed_by_[v];
+    matches_[v].camera.world_to_camera = camera.world_to_camera;
+    place({view}, others, {{settings_.tracks.near_search, false}});
+    if (placed_by_[v] > agreeing) return true;
+    matches_[v].camera = found;
+    placed_by_[v] = agreeing;
+    return false;
   }
 
   /// Looks for the wanted by the tracks of others, in one way after the other until they are placed. Those that were.
@@ -316,6 +358,7 @@ class Refinement {
   std::vector<Track> tracks_;
   std::vector<bool> by_neighbour_;
   std::vector<bool> misplaced_;
+  std::vector<bool> checked_;   ///< strayed photos that were looked for
   std::vector<int> placed_by_;  ///< observations by view, of photos looked for by others' tracks
   std::vector<int> matched_;    ///< observations by view before the last round's outliers were dropped
   BundleReport bundle_;

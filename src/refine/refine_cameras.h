@@ -36,6 +36,9 @@ struct RefineSettings : ResectionSettings {
   double lost_share = 0.45;
   /// the same in the first round: pairs have lost most wrong matches before, so that the others agree
   double first_lost_share = 0.7;
+  /// of the median photo's way from its prior place, and at least BundleSettings::centre. A training photo that goes
+  /// farther is looked for like a lost one, and goes where most matches agree.
+  double stray_factor = 4;
   bool share_focal = true;  ///< all photos come from one lens: their focal lengths become the median first
 };
 

@@ -70,6 +70,34 @@ TEST_F(RefineCamerasTest, CamerasSomeDegreesOffComeHomeAmongWrongMatches) {
   EXPECT_LT(pair_error(cameras_of(result)), 0.1 * pair_error(cameras_of(views)));
 }
 
+constexpr double kStripe = 0.4;  // scene units
+
+/// A pattern of stripes on the back wall, with a little grain that tells them from each other.
+RefineView striped_photo(const Camera& camera) {
+  RefineView view = photo(camera);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Vec3d place = camera.unproject(x + 0.5, y + 0.5, view.match.depth.at(x, y));
+      const double u = std::sin(2 * kPi * (place.x + place.z) / kStripe), v = std::sin(2 * kPi * place.y / kStripe);
+      view.match.luma.at(x, y) = static_cast<float>(0.5 + 0.12 * (u + v) + 0.12 * u * v + 0.2 * grain(place));
+    }
+  }
+  return view;
+}
+
+TEST_F(RefineCamerasTest, APatternDoesNotHoldAPhotoOneStripeFurther) {
+  constexpr size_t kStrayed = 3;
+  constexpr double kShift = 0.6 * kStripe;  // the next stripe is nearer than the right one
+  std::vector<RefineView> views;
+  for (int i = 0; i < 8; ++i) views.push_back(striped_photo(true_camera(i)));
+  Camera& camera = views[kStrayed].match.camera;
+  camera.world_to_camera.translation =
+      camera.world_to_camera.translation - camera.world_to_camera.rotation * Vec3d{kShift, 0, 0};
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
+  const Vec3d error = result.views[kStrayed].camera.centre() - true_camera(kStrayed).centre();
+  EXPECT_LT(norm(error), 0.1 * kStripe);
+}
+
 TEST_F(RefineCamerasTest, NoPhotosGiveNothing) {
   EXPECT_TRUE(refine_cameras({}, kRoomExtent, few_corners(), pool_).views.empty());
 }

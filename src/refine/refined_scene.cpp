@@ -31,18 +31,18 @@ bool uses_planes(const Scene& scene, const RefineSceneOptions& options) {
 }
 
 /// Photos of refinement: the training photos, then, if asked for, the test photos.
-struct Photos {
+struct ScenePhotos {
   std::vector<RefineView> views;
   std::vector<Image<uint16_t>> labels;  ///< of the training photos; empty images where planes are not looked for
 };
 
-Photos load_photos(const Scene& scene, const DepthPlacement& placement, const RefineSceneOptions& options,
-                   ThreadPool& pool) {
+ScenePhotos load_photos(const Scene& scene, const DepthPlacement& placement, const RefineSceneOptions& options,
+                        ThreadPool& pool) {
   std::vector<int> indices = scene.train;
   const size_t training = indices.size();
   const bool labels = uses_planes(scene, options);
   if (options.register_tests) indices.insert(indices.end(), scene.test.begin(), scene.test.end());
-  Photos photos;
+  ScenePhotos photos;
   photos.views.resize(indices.size());
   photos.labels.resize(training);
   pool.parallel_for(indices.size(), 1, [&](size_t begin, size_t end, int) {
@@ -66,7 +66,7 @@ Photos load_photos(const Scene& scene, const DepthPlacement& placement, const Re
   return photos;
 }
 
-void require_depth(const Scene& scene) {
+void require_depth_of_all(const Scene& scene) {
   for (const int v : scene.train) {
     if (!scene.views[static_cast<size_t>(v)].prior_depth.empty()) continue;
     throw_bad_input(
@@ -78,7 +78,7 @@ void require_depth(const Scene& scene) {
 
 /// The factors of the prior depth to scene units. Every photo needs one.
 DepthPlacement placed_depth(const Scene& scene) {
-  require_depth(scene);
+  require_depth_of_all(scene);
   DepthPlacement placement = place_prior_depth(scene);
   for (size_t i = 0; i < placement.views.size(); ++i) {
     if (placement.views[i].factor > 0) continue;
@@ -169,8 +169,8 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
       views[i].label_share = std::move(fused[i].share);
     }
   }
-  PlaneDepthResult planes =
-      measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
+  const std::vector<PlaneClass> plane_labels = plane_classes(scene.labels, options.surfaces);
+  PlaneDepthResult planes = measure_planes(views, plane_labels, options.plane_settings, pool);
   if (options.panels) {
     const std::vector<PanelClass> classes = panel_classes(scene.labels);
     std::vector<const ImageF*> lumas;
@@ -181,6 +181,9 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
           place_screens(views, lumas, classes, planes.planes, std::move(report.panels), options.screen_settings, pool);
     measure_on_panels(report.panels, planes.planes, views, classes, options.panel_settings, pool, planes.views);
   }
+  if (options.stereo)
+    try_planes(photos, views, plane_labels, planes.planes, options.plane_settings, options.stereo_settings,
+               options.hypothesis_settings, pool, planes.views);
   report.planes = planes.planes;
   report.axes = planes.axes;
   report.on_planes = planes.share;
@@ -255,7 +258,7 @@ void note_scene_depth(const fs::path& folder) {
 }
 
 /// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards.
-void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, Photos& photos,
+void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, ScenePhotos& photos,
                  std::vector<ImageF>& log_factors, RefineSceneReport& report) {
   std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
@@ -288,7 +291,7 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
 }
 
 /// How the training photos' exposures differ, by cameras and depth as they are known now.
-std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const RefineSceneOptions& options,
+std::vector<Vec3f> measure_exposure(const ScenePhotos& photos, size_t training, const RefineSceneOptions& options,
                                     ThreadPool& pool) {
   std::vector<ExposureView> views;
   for (size_t i = 0; i < training; ++i)
@@ -304,7 +307,7 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
       options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
   require_scene_place(output, options.overwrite, sources);
   DepthPlacement placement;
-  Photos photos;
+  ScenePhotos photos;
   load_usable_views(scene, [&] {
     placement = placed_depth(scene);
     photos = load_photos(scene, placement, options, pool);

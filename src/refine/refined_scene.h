@@ -9,6 +9,7 @@
 #include "refine/guided_stereo.h"
 #include "refine/panel_depth.h"
 #include "refine/plane_depth.h"
+#include "refine/plane_hypothesis.h"
 #include "refine/refine_cameras.h"
 #include "refine/screens.h"
 #include "scene/scene.h"
@@ -21,6 +22,7 @@ struct RefineSceneOptions {
   bool correct_depth = true;  ///< pred_depths/ of the training views are multiplied by their DepthGrid
   bool stereo = true;         ///< and then by what multi-view stereo finds with the refined cameras
   PlaneDepthSettings plane_settings;
+  PlaneHypothesisSettings hypothesis_settings;
   bool planes = true;  ///< and moved to the planes of walls, floor and ceiling, if the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
   /// planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
