@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kLargestList = uint64_t(16) << 20;  // bytes: 100 for each of 160 000 rooms
+constexpr uint64_t kLargestRoomList = uint64_t(16) << 20;  // bytes: 100 for each of 160 000 rooms
 constexpr size_t kLongestName = 100;  // characters: with the suffixes of leases and logs below the 255 of file systems
 const char* const kLineForm = "a line is: room <TAB> source <TAB> options";
 
@@ -106,7 +106,7 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
 }
 
 std::vector<RoomEntry> read_room_list(const fs::path& path) {
-  const std::string content = read_file(path, kLargestList);
+  const std::string content = read_file(path, kLargestRoomList);
   const std::string_view text = text_of_file(content, path);
   return path.extension() == ".toml" ? parse_room_toml(text, path) : parse_room_table(text, path);
 }

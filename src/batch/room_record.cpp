@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 1;
+constexpr int kRecordSchema = 1;
 constexpr uint64_t kLargestRecord = 1 << 20;  // bytes; a record has some lines
 
 std::string text_of(const Json& json, const char* name) {
@@ -32,10 +32,10 @@ int number_of(const Json& json, const char* name) {
 
 void write_room_record(const fs::path& path, const RoomRecord& r) {
   const Json json = {
-      {"schema", kSchema},    {"state", r.state}, {"digest", r.inputs.content}, {"quick_digest", r.inputs.quick},
-      {"command", r.command}, {"host", r.host},   {"attempts", r.attempts},     {"exit_status", r.exit_status},
-      {"message", r.message}, {"path", r.path},   {"field", r.field},           {"remedy", r.remedy},
-      {"started", r.started}, {"ended", r.ended}};
+      {"schema", kRecordSchema}, {"state", r.state}, {"digest", r.inputs.content}, {"quick_digest", r.inputs.quick},
+      {"command", r.command},    {"host", r.host},   {"attempts", r.attempts},     {"exit_status", r.exit_status},
+      {"message", r.message},    {"path", r.path},   {"field", r.field},           {"remedy", r.remedy},
+      {"started", r.started},    {"ended", r.ended}};
   write_file_atomically(path, json_document(json));
 }
 

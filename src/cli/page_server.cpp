@@ -6,10 +6,12 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "cli/stages/room_stage.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "serve/page_notes.h"
+#include "serve/room_scale_service.h"
 
 namespace aligngs {
 
@@ -30,6 +32,8 @@ PageServer::PageServer(PageServerOptions options) {
     renders_ = std::make_unique<ViewRenders>(run, LoadRunOptions{options.scene, options.threads});
     renders_->serve(options.server);
     serve_notes(run, options.server);
+    serve_scale(
+        run, [run](const MeasuredRoom& room) { return with_scale_of_scene(room, run); }, options.server);
     serve_control(run, options.server, [this] { stop_asked_ = true; });
   }
   server_ = std::make_unique<ViewServer>(std::move(options.server));

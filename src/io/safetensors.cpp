@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr uint64_t kMaxHeaderBytes = 100'000'000;  // the reference implementation's limit
+constexpr uint64_t kMaxTensorHeaderBytes = 100'000'000;  // the reference implementation's limit
 // Tensors are converted in pieces that stay in the second-level cache; a multiple of every item
 // size.
 constexpr uint64_t kPieceBytes = uint64_t(256) << 10;
@@ -180,7 +180,8 @@ TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes, cons
 }
 
 uint64_t checked_header_bytes(uint64_t header_bytes, const std::filesystem::path& name) {
-  if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header length", "more than 100 MB", kDamagedFileRemedy);
+  if (header_bytes > kMaxTensorHeaderBytes)
+    throw_bad_input(name, "header length", "more than 100 MB", kDamagedFileRemedy);
   return header_bytes;
 }
 

@@ -14,7 +14,7 @@ namespace aligngs {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr size_t kPointGrain = 512;  // samples per chunk of work
+constexpr size_t kSurfaceGrain = 512;  // samples per chunk of work
 // of the images through which the prediction is culled, as the mesh protocols have it
 constexpr int kRayColumns = 320;
 // metres that a true sample may lie behind its own surface: rounding of single precision
@@ -96,7 +96,7 @@ class Measurement {
     const size_t count = samples.positions.size();
     std::vector<float> angles(count, -1.0f);
     std::vector<uint8_t> on_structure(count, 0);
-    pool_.parallel_for(count, kPointGrain, [&](size_t begin, size_t end, int) {
+    pool_.parallel_for(count, kSurfaceGrain, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
         const auto hit = truth_rays_.nearest(samples.positions[i].cast<double>(), options_.reach);
         if (!hit) continue;
@@ -153,7 +153,7 @@ class Measurement {
     }
     const size_t count = std::min(inner.size(), options_.max_edges);
     std::vector<WeightedAngle> angles(count);
-    pool_.parallel_for(count, kPointGrain, [&](size_t begin, size_t end, int) {
+    pool_.parallel_for(count, kSurfaceGrain, [&](size_t begin, size_t end, int) {
       for (size_t k = begin; k < end; ++k) {
         const auto& [edge, other] = inner[k * inner.size() / count];
         const Vec3d a = seen.vertices[edge.a].cast<double>(), b = seen.vertices[edge.b].cast<double>();
@@ -207,7 +207,7 @@ class Measurement {
     const size_t count = samples.positions.size();
     std::vector<float> passed(count);
     std::vector<uint8_t> on_structure(count, 0);
-    pool_.parallel_for(count, kPointGrain, [&](size_t begin, size_t end, int) {
+    pool_.parallel_for(count, kSurfaceGrain, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
         const Vec3d point = samples.positions[i].cast<double>();
         passed[i] = static_cast<float>(passed_through(point, samples.normals[i].cast<double>()));

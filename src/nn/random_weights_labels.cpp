@@ -4,7 +4,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr int64_t kPatch = 16;
+constexpr int64_t kLabelPatch = 16;
 
 struct UpscaleNames {
   std::string prefix, norm;
@@ -31,7 +31,7 @@ TensorList eomt_tensors(const EomtSize& size) {
   names.add(b + "cls_token", {1, 1, c});
   names.add(b + "reg_token", {1, size.encoder.registers, c});
   names.add(b + "pos_embed", {1, size.encoder.grid * size.encoder.grid, c});
-  names.convolution(b + "patch_embed.proj", c, 3, kPatch);
+  names.convolution(b + "patch_embed.proj", c, 3, kLabelPatch);
   for (int64_t i = 0; i < size.encoder.depth; ++i)
     add_block(names, b + "blocks." + std::to_string(i) + ".", {c, hidden});
   names.norm(b + "norm", c);
@@ -50,7 +50,7 @@ TensorList eomt_huggingface_tensors(const EomtSize& size) {
   names.add("embeddings.cls_token", {1, 1, c});
   names.add("embeddings.register_tokens", {1, size.encoder.registers, c});
   names.add("embeddings.position_embeddings.weight", {size.encoder.grid * size.encoder.grid, c});
-  names.convolution("embeddings.patch_embeddings.projection", c, 3, kPatch);
+  names.convolution("embeddings.patch_embeddings.projection", c, 3, kLabelPatch);
   for (int64_t i = 0; i < size.encoder.depth; ++i) {
     const std::string p = "layers." + std::to_string(i) + ".";
     names.norm(p + "norm1", c);
@@ -76,7 +76,7 @@ TensorList lingbot_tensors(const LingbotSize& size) {
   names.add("backbone.cls_token", {1, 1, c});
   names.add("backbone.storage_tokens", {1, size.encoder.registers, c});
   names.add("backbone.mask_token", {1, c});
-  names.convolution("backbone.patch_embed.proj", c, 3, kPatch);
+  names.convolution("backbone.patch_embed.proj", c, 3, kLabelPatch);
   names.add("backbone.rope_embed.periods", {c / size.heads / 4});
   for (int64_t i = 0; i < size.encoder.depth; ++i) {
     const std::string p = "backbone.blocks." + std::to_string(i) + ".";

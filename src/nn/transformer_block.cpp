@@ -9,7 +9,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kHeadNormEps = 1e-5f;  // of q_norm and k_norm, in VGGT and DA3
+constexpr float kBlockHeadNormEps = 1e-5f;  // of q_norm and k_norm, in VGGT and DA3
 
 std::vector<float> layer_scale(const Weights& weights, const char* name, const char* other, int64_t channels) {
   if (weights.has(name)) return weights.load(name, {channels});
@@ -71,8 +71,8 @@ TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weight
   qkv_ = load_qkv(compute, weights, config);
   proj_ = Linear(compute, weights, "attn.proj", c, c);
   if (weights.has("attn.q_norm.weight")) {
-    q_norm_ = LayerNorm(weights, "attn.q_norm", c / config.heads, kHeadNormEps);
-    k_norm_ = LayerNorm(weights, "attn.k_norm", c / config.heads, kHeadNormEps);
+    q_norm_ = LayerNorm(weights, "attn.q_norm", c / config.heads, kBlockHeadNormEps);
+    k_norm_ = LayerNorm(weights, "attn.k_norm", c / config.heads, kBlockHeadNormEps);
   }
   scale1_ = layer_scale(weights, "ls1.gamma", "gamma1", c);
   scale2_ = layer_scale(weights, "ls2.gamma", "gamma2", c);

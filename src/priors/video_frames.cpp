@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kCandidatesPerView = 8;  // a hand shakes for a fraction of a step between two photos
 constexpr int kMostRate = 15;          // candidates a second: neighbours at more are the same picture
-constexpr int kSmallWidth = 384;       // pixels of a candidate: enough to tell blur of more than a few pixels
+constexpr int kFrameSmallWidth = 384;  // pixels of a candidate: enough to tell blur of more than a few pixels
 
 [[noreturn]] void refuse(const fs::path& video, const std::string& message) {
   throw_bad_input(video, "", message, "give a video that ffmpeg plays, or a folder of photos");
@@ -96,7 +96,7 @@ VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folde
   const VideoStream stream = stream_of(video, folder);
   const double wanted = double(options.views) * kCandidatesPerView / stream.seconds;
   const std::string rate = fmt::format("fps={:.6f}", std::min({wanted, stream.frame_rate, double(kMostRate)}));
-  const int width = std::min(stream.width, kSmallWidth),
+  const int width = std::min(stream.width, kFrameSmallWidth),
             height = std::max(3, int(double(stream.height) * width / stream.width + 0.5));
   const fs::path raw = folder / "candidates.raw", log = folder / "ffmpeg.log";
   run_ffmpeg(video, fmt::format("{},scale={}:{}:flags=area,format=gray", rate, width, height),

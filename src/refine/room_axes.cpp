@@ -7,7 +7,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kRounds = 10;  // of small rotations; three are enough
+constexpr int kAxisRounds = 10;  // of small rotations; three are enough
 
 /// A column of `axes` or its opposite: the one that a normal lies within the angle of.
 std::optional<Vec3d> axis_of(const Vec3d& normal, const Mat3d& axes, double least_cosine) {
@@ -98,7 +98,7 @@ std::optional<RoomAxes> estimate_room_axes(const std::vector<ScenePlane>& planes
     }
   }
   if (most == 0) return std::nullopt;
-  for (int round = 0; round < kRounds; ++round) best.axes = nearer(best.axes, planes, least_cosine);
+  for (int round = 0; round < kAxisRounds; ++round) best.axes = nearer(best.axes, planes, least_cosine);
   best.share = points_along(planes, best.axes, least_cosine) / all;
   if (best.share < settings.least_share) return std::nullopt;
   best.up = up_of(planes, best.axes, least_cosine);

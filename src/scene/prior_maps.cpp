@@ -12,9 +12,9 @@ namespace {
 bool is_torch(const std::filesystem::path& path) { return path.extension() == ".pt" || path.extension() == ".pth"; }
 bool is_compressed(const std::filesystem::path& path) { return path.extension() == ".npz"; }
 
-constexpr int64_t kMaxSide = 65535;  // pixels; keeps sizes in int
+constexpr int64_t kMaxMapSide = 65535;  // pixels; keeps sizes in int
 
-bool fits(int64_t side) { return side >= 1 && side <= kMaxSide; }
+bool fits(int64_t side) { return side >= 1 && side <= kMaxMapSide; }
 
 }  // namespace
 

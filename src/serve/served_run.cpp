@@ -183,12 +183,13 @@ Json ServedRun::why_not_editable(const Json& record, bool active) const {
 }
 
 std::string ServedRun::state() const {
-  Json state = {{"splats", nullptr},  {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
-                {"classes", nullptr}, {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
-                {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
-                {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
-                {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()},
-                {"notes", nullptr},   {"selections", nullptr},   {"start", nullptr}};
+  Json state = {
+      {"splats", nullptr},         {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
+      {"classes", nullptr},        {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
+      {"report", false},           {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
+      {"active", false},           {"editable", false},       {"edited", false},         {"edits", nullptr},
+      {"drawable", false},         {"not_editable", nullptr}, {"room", nullptr},         {"room_version", nullptr},
+      {"problems", Json::array()}, {"notes", nullptr},        {"selections", nullptr},   {"start", nullptr}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -231,7 +232,10 @@ std::string ServedRun::state() const {
   state["cameras"] = descriptions.read(root_, "cameras.json");
   state["views"] = rendered_views(root_);
   state["report"] = has_file(root_, "report.html");
-  if (!descriptions.object(root_, "room.json").is_null()) state["room"] = "room.json";
+  if (!descriptions.object(root_, "room.json").is_null()) {
+    state["room"] = "room.json";
+    state["room_version"] = file_version(root_ / "room.json");
+  }
   for (const char* name : {"metrics.json", "selections.json"}) descriptions.object(root_, name);
   state["notes"] = descriptions.notes(root_);
   if (!scene.empty()) {
@@ -260,8 +264,9 @@ std::vector<std::string> ServedRun::first_requests() const {
 std::string ServedRun::signature() const {
   if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
-  for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json",
-                           "selections.json", "mesh/mesh.ply", "metrics.json", "report.html", "page.json"}) {
+  for (const char* name :
+       {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json", "selections.json",
+        "mesh/mesh.ply", "metrics.json", "report.html", "page.json", "room.json"}) {
     text += "/" + file_version(root_ / name);
   }
   return text;

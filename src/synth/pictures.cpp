@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "synth/noise.h"
+#include "synth/texture_math.h"
 
 namespace aligngs {
 namespace {
-
-Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + (b - a) * t; }
-float clamp01(float x) { return std::clamp(x, 0.0f, 1.0f); }
-float fraction(float x) { return x - std::floor(x); }
 
 /// A saturated colour of the seed's palette.
 Vec3f palette(uint32_t seed, int index) {

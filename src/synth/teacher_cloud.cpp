@@ -5,8 +5,8 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kMaxCloudPoints = 30000;    // as clouds of VGGT are thinned, at random
-constexpr double kConfidentQuantile = 0.35;  // pixels below are left out of the cloud
+constexpr size_t kMaxCloudPoints = 30000;  // as clouds of VGGT are thinned, at random
+constexpr double kCloudQuantile = 0.35;    // pixels below are left out of the cloud
 
 struct Pick {
   size_t view;
@@ -19,7 +19,7 @@ void pick_confident(const TeacherView& teacher, size_t view, std::vector<Pick>& 
     if (c > 0) sorted.push_back(c);
   }
   if (sorted.empty()) return;
-  const size_t k = static_cast<size_t>(kConfidentQuantile * static_cast<double>(sorted.size() - 1));
+  const size_t k = static_cast<size_t>(kCloudQuantile * static_cast<double>(sorted.size() - 1));
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(k), sorted.end());
   for (uint32_t p = 0; p < teacher.confidence.data.size(); ++p) {
     if (teacher.depth.data[p] > 0 && teacher.confidence.data[p] >= sorted[k]) picks.push_back({view, p});

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kNothingElse = ": nothing else is written there";
-constexpr int kLevels = 4;  // folders above a file: a data set's deepest files lie in D/colmap/sparse/0/
+constexpr int kPathLevels = 4;  // folders above a file: a data set's deepest files lie in D/colmap/sparse/0/
 
 bool is_one_of(std::string ending, std::initializer_list<std::string_view> endings) {
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -48,7 +48,7 @@ void require_replaceable(const fs::path& file) {
     refuse(file, "this picture or video was not drawn by aligngs: it is never replaced");
   const fs::path place = real_place(file);
   fs::path folder = place.parent_path();
-  for (int level = 0; level < kLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {
+  for (int level = 0; level < kPathLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {
     const RunFolder run(folder);
     if (run.has_run()) {  // its transforms.json and sparse/ make no data set of it
       if (run.wrote(place)) refuse(file, "this place belongs to the run " + folder.string() + kNothingElse);

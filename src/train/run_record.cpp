@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSchema = 1;
+constexpr int kRecordSchema = 1;
 constexpr uint64_t kLargestRecord = 1 << 24;
 
 nlohmann::json or_null(const std::string& text) {
@@ -59,7 +59,7 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
     const nlohmann::json old = parse_json(read_file(path, kLargestRecord));
     if (old.is_object()) json = old;
   }
-  json["schema"] = kSchema;
+  json["schema"] = kRecordSchema;
   json["status"] = r.status;
   json["stage"] = r.stage;
   json["command"] = r.command;

@@ -7,8 +7,8 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kGrain = 2048;   // Gaussians per task: microseconds each
-constexpr double kMargin = 0.15;  // of the image on each side: what blurs into it is sampled there
+constexpr size_t kScaleGrain = 2048;  // Gaussians per task: microseconds each
+constexpr double kMargin = 0.15;      // of the image on each side: what blurs into it is sampled there
 
 /// Pixels per scene unit at a world point; 0: the view does not see it.
 double sampling_rate(const GuideView& view, const Vec3d& world) {
@@ -26,7 +26,7 @@ double sampling_rate(const GuideView& view, const Vec3d& world) {
 std::vector<float> smallest_log_scales(const GaussianModel& model, const std::vector<GuideView>& views, double pixels,
                                        ThreadPool& pool) {
   std::vector<float> out(model.size(), -std::numeric_limits<float>::infinity());
-  pool.parallel_for(model.size(), kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(model.size(), kScaleGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       const float* p = &model.positions[3 * i];
       double rate = 0;

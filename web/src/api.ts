@@ -25,6 +25,7 @@ export interface RunState {
   train: { iterations?: number; gaussians?: number; seconds?: number } | null;
   report: boolean;
   room: string | null;                // path of room.json
+  room_version: string | null;
   notes: Notes | null;                // saved views and measurements
   not_editable: string | null;        // why edits, pictures and exports are not there
   problems: string[];                 // files of the run that cannot be read
@@ -74,15 +75,15 @@ async function readState(): Promise<RunState> {
   if (kExported) {
     const { state, columns, room } = await unpackScene(embeddedBytes('aligngs-scene') as BlobPart);
     exported = { columns, room };
-    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, selections: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, notes: null, start: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
+    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, selections: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, room_version: null, notes: null, start: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
   }
   return answered(await request('/api/state'));
 }
 
 /// room.json of the run; null when it cannot be read.
-export async function fetchRoom(path: string): Promise<unknown> {
+export async function fetchRoom(path: string, version: string): Promise<unknown> {
   if (kExported) return exported!.room;
-  const answer = await request(fileUrl(path));
+  const answer = await request(fileUrl(path, version));
   return answer.ok ? answer.json() : null;
 }
 

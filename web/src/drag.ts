@@ -18,7 +18,7 @@ type ObjectId = { label: number; instance: number };
 export interface DragTarget {
   picked(): (ObjectId & { name: string }) | null; // the object that edits mean now
   cameras(): CameraInfo[];
-  metric(): boolean;
+  metres(): number | null; // of a scene unit
   apply(edit: string): Promise<void>;
   tell(text: string): void;
 }
@@ -88,7 +88,12 @@ export class ObjectDrag {
     return out;
   }
 
-  private reach(): number { return this.target.metric() ? kSnap : kSnapShare * (this.viewer.room?.diagonal ?? 1); }
+  private reach(): number { return this.length(kSnap); }
+  /// Metres as scene units, or where nothing tells the scale a share of the room.
+  private length(metres: number): number {
+    const unit = this.target.metres();
+    return unit !== null ? metres / unit : kSnapShare * (this.viewer.room?.diagonal ?? 1);
+  }
 
   private press(e: PointerEvent): void {
     if (this.grabbed && e.pointerId !== this.grabbed.pointer) { this.cancel(); return; } // two fingers turn the room
@@ -117,7 +122,7 @@ export class ObjectDrag {
     shift.y = 0;
     this.shift = snapped(shift, this.held!.walls, this.reach());
     this.viewer.moveObject(this.held!.object, this.shift);
-    this.target.tell(`${this.held!.object.name}: ${this.shift.length().toFixed(2)} ${this.target.metric() ? 'm' : 'units'}; Escape leaves it where it was`);
+    this.target.tell(`${this.held!.object.name}: ${(this.shift.length() * (this.target.metres() ?? 1)).toFixed(2)} ${this.target.metres() !== null ? 'm' : 'units'}; Escape leaves it where it was`);
   }
 
   private release(e: PointerEvent): void {
@@ -143,7 +148,7 @@ export class ObjectDrag {
     e.stopImmediatePropagation();
     this.byKeys = true;
     const { camera } = this.viewer, level = (v: Vec3) => new Vec3(v.x, 0, v.z).normalize();
-    const step = this.target.metric() ? kStep : kSnapShare * (this.viewer.room?.diagonal ?? 1);
+    const step = this.length(kStep);
     this.show(this.shift.clone().add(level(camera.right).mulScalar(side[0] * step)).add(level(camera.forward).mulScalar(side[1] * step)));
   }
 

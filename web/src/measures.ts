@@ -1,8 +1,9 @@
-// Distances between two clicked places: measured, drawn, listed, and kept.
+// Distances between two clicked places: measured, drawn, listed, and kept. A known one sets the scale.
 import { type Vec3 } from 'playcanvas';
+import { post } from './api';
 import { element, iconButton, kIcons, make } from './dom';
 import { type Messages } from './messages';
-import { kMostNotes, type NoteKeeper } from './notes';
+import { kMostNotes, type Measurement, type NoteKeeper } from './notes';
 import { type Viewer } from './viewer';
 
 const kDigits = 4; // of a coordinate: tenths of a millimetre in a scene in metres
@@ -10,10 +11,12 @@ const kDigits = 4; // of a coordinate: tenths of a millimetre in a scene in metr
 export class Measures {
   active = false;
   private first: Vec3 | null = null;
-  private metric = false;
+  private metres: number | null = null; // of a scene unit
 
-  constructor(private viewer: Viewer, private keeper: NoteKeeper, private messages: Messages) {
+  /// `scaled`: the run has another scale.
+  constructor(private viewer: Viewer, private keeper: NoteKeeper, private messages: Messages, private scaled: () => Promise<void>) {
     element('measures-clear').addEventListener('click', () => keeper.set({ measurements: [] }));
+    element('scale-reset').addEventListener('click', () => void this.scale({ reset: true }));
   }
 
   toggle(): void {
@@ -40,18 +43,45 @@ export class Measures {
     this.keeper.set({ measurements: [...measurements, measured].slice(-kMostNotes) });
   }
 
-  /// The list, and the lines in the picture.
-  show(metric: boolean): void {
-    this.metric = metric;
+  /// The list, and the lines in the picture. `metres`: of a scene unit; null: nothing tells the scale. `scalable`: a known
+  /// length may set it. `given`: one has.
+  show(metres: number | null, scalable: boolean, given: boolean): void {
+    this.metres = metres;
     const { measurements } = this.keeper.notes;
     element('measure-box').hidden = measurements.length === 0;
-    element('measures').replaceChildren(...measurements.map((m) => {
-      const text = this.text(Math.hypot(...m.from.map((v, k) => v - m.to[k]))), row = make('li');
-      row.append(make('span', 'class-name', text), iconButton(kIcons.bin, 'remove', 'forget', text,
-        () => this.keeper.set({ measurements: this.keeper.notes.measurements.filter((other) => other !== m) })));
-      return row;
-    }));
+    element('scale-reset').hidden = !scalable || !given;
+    element('measures').replaceChildren(...measurements.map((m) => this.row(m, scalable)));
     this.draw();
+  }
+
+  private row(m: Measurement, scalable: boolean): HTMLElement {
+    const text = this.text(Math.hypot(...m.from.map((v, k) => v - m.to[k]))), row = make('li');
+    row.append(make('span', 'class-name', text));
+    if (scalable) row.append(iconButton(kIcons.pen, 'known', 'set the scale by its true length', text, () => this.ask(m, text, row)));
+    row.append(iconButton(kIcons.bin, 'remove', 'forget', text,
+      () => this.keeper.set({ measurements: this.keeper.notes.measurements.filter((other) => other !== m) })));
+    return row;
+  }
+
+  /// Asks for the true length in the row of a measurement. Escape leaves the scale as it is.
+  private ask(m: Measurement, text: string, row: HTMLElement): void {
+    const form = make('form', 'row'), label = make('label', 'row', 'this is '), input = make('input'), button = make('button', '', 'set the scale');
+    Object.assign(input, { type: 'number', min: '0.001', step: 'any', required: true, id: 'known-length', value: this.metres !== null ? parseFloat(text).toString() : '' });
+    label.append(input, ' m');
+    form.append(label, button);
+    form.addEventListener('submit', (e) => { e.preventDefault(); void this.scale({ from: m.from, to: m.to, metres: input.valueAsNumber }); });
+    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); row.replaceWith(this.row(m, true)); } });
+    row.replaceChildren(form);
+    input.select();
+    input.focus();
+  }
+
+  private async scale(wanted: object): Promise<void> {
+    try {
+      const { factor } = await post<{ factor: number }>('/api/scale', wanted);
+      await this.scaled();
+      this.messages.show(`Lengths are multiplied by ${factor.toFixed(4)}. Sizes, plan and exports have this scale.`, 'result');
+    } catch (error) { this.messages.error(error); }
   }
 
   private draw(): void {
@@ -59,5 +89,7 @@ export class Measures {
     this.viewer.setRuler(this.first ? [...points, this.first] : points);
   }
 
-  private text(distance: number): string { return `${distance.toFixed(3)} ${this.metric ? 'm' : 'scene units'}`; }
+  private text(distance: number): string {
+    return this.metres !== null ? `${(distance * this.metres).toFixed(3)} m` : `${distance.toFixed(3)} scene units`;
+  }
 }

@@ -13,7 +13,7 @@ export interface ObjectActions {
 export class ObjectList {
   objects: SceneObject[] = [];
   private hidden = new Set<string>();
-  private metric = false;
+  private metres: number | null = null;
   private editable = false;
 
   constructor(private actions: ObjectActions) {
@@ -21,9 +21,9 @@ export class ObjectList {
     element('objects-all').addEventListener('click', () => { this.hidden.clear(); this.actions.hide(this.hidden); this.show(); });
   }
 
-  build(objects: SceneObject[], metric: boolean, editable: boolean): void {
+  build(objects: SceneObject[], metres: number | null, editable: boolean): void {
     this.objects = objects;
-    this.metric = metric;
+    this.metres = metres;
     this.editable = editable;
     this.show();
   }
@@ -32,7 +32,8 @@ export class ObjectList {
     return this.objects.find((o) => o.label === label && o.instance === instance) ?? null;
   }
 
-  size(object: SceneObject): string { return sizeText(object.size, this.metric); }
+  length(units: number): string { return this.metres !== null ? `${(units * this.metres).toFixed(2)} m` : `${units.toFixed(2)} units`; }
+  size(object: SceneObject): string { return sizeText(object.size, this.metres); }
 
   private show(): void {
     const words = element<HTMLInputElement>('object-search').value.trim().toLowerCase();

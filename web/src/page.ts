@@ -61,7 +61,7 @@ export class Page {
   constructor(readonly viewer: Viewer) {
     this.drag = new ObjectDrag(viewer, { // before the navigation, which hears the same pointers
       picked: () => this.draggable(),
-      cameras: () => this.state.cameras ?? [], metric: () => this.state.units === 'metres',
+      cameras: () => this.state.cameras ?? [], metres: () => this.metres,
       apply: (edit) => this.edits.apply(edit), tell: (text) => this.messages.show(text, 'work'),
     });
     this.navigation = new Navigation(viewer.camera, viewer.canvas, () => viewer.moved(), (x, y) => this.clicked(x, y));
@@ -70,7 +70,7 @@ export class Page {
       fly: (o) => this.places.flyTo(o), remove: (o) => void this.edits.apply(`delete ${o.name} --fill`), point: (o) => this.selection.point(o),
       hide: (hidden) => viewer.hideObjects(hidden),
     });
-    this.measures = new Measures(viewer, this.notes, this.messages);
+    this.measures = new Measures(viewer, this.notes, this.messages, () => this.refresh());
     this.hand = new HandSelection(viewer, this.messages, {
       state: () => this.state, opened: () => this.selection.clear(), picked: (name, splats) => this.selection.chooseNamed(name, splats),
     });
@@ -115,7 +115,7 @@ export class Page {
       this.viewer.setUp(s.up ? new Vec3(...s.up) : upOf(s.cameras ?? []));
       this.notes.open(s);
       this.path.restore(s.name);
-      this.planned = this.plan.refresh(s.room, s.version).catch(() => {});
+      this.planned = this.plan.refresh(s.room, s.room_version ?? s.version).then((other) => { if (other) this.showScale(); }).catch(() => {});
       await this.loadShown();
       element<HTMLButtonElement>('show-mesh').disabled = !s.mesh;
       if (s.problems.length > 0) this.messages.show(`The run has files that cannot be read: ${s.problems.join('; ')}.`, 'error');
@@ -163,9 +163,19 @@ export class Page {
     return this.viewer.style(picked.label).shell || /^floor/.test(name) ? null : { ...picked, name };
   }
 
+  /// Metres of a scene unit; null: nothing tells the scale.
+  private get metres(): number | null { return this.plan.metres ?? (this.state.units === 'metres' ? 1 : null); }
+  private get canScale(): boolean { return !kExported && this.state.room !== null && !this.state.active; }
+
+  /// Another scale: lengths read anew.
+  private showScale(): void {
+    this.showNotes();
+    if (this.loadedSplats) this.listObjects();
+  }
+
   private showNotes(): void {
     this.views.show();
-    this.measures.show(this.state.units === 'metres');
+    this.measures.show(this.metres, this.canScale, this.plan.given);
   }
 
   /// Lists the objects after the next picture, which does not need them.
@@ -179,7 +189,7 @@ export class Page {
     const editable = this.state.editable && !this.showsOriginal, splats = this.viewer.splats;
     const objects = splats ? objectsOf(splats, this.state.classes ?? [], (p) => this.viewer.toWorld(p), this.plan.sizes) : [];
     this.selection.refresh(this.state, editable);
-    this.objects.build(objects, this.state.units === 'metres', editable);
+    this.objects.build(objects, this.metres, editable);
     this.selection.clear();
     this.hand.mark();
   }

@@ -6,7 +6,7 @@ import { type MeasuredSizes } from './scene_objects';
 
 interface Point { 0: number; 1: number }
 interface RoomFile {
-  units: string; frame: { world_to_room: number[][] }; scale: { units_per_scene_unit: number };
+  units: string; frame: { world_to_room: number[][] }; scale: { source: string; units_per_scene_unit: number };
   walls: { id: string; from: Point; to: Point; length: number }[];
   openings: { kind: string; outline: number[][] }[];
   objects: { id: string; class: string; instance: number; centre: number[]; size: number[]; turn: number }[];
@@ -42,13 +42,18 @@ export class Plan {
     element('plan-picture').addEventListener('click', (e) => this.clicked(e as unknown as MouseEvent));
   }
 
-  /// Reads room.json when it is another one; the plan's button is there only with it.
-  async refresh(path: string | null, version: string): Promise<void> {
+  /// Metres of a scene unit, by the room's scale; null: there is no room, or nothing tells its scale.
+  get metres(): number | null { return this.room?.units === 'metres' ? this.room.scale.units_per_scene_unit : null; }
+  /// Whether a user has given the scale.
+  get given(): boolean { return this.room?.scale.source === 'given'; }
+
+  /// Reads room.json when it is another one, and tells whether it was; the plan's button is there only with it.
+  async refresh(path: string | null, version: string): Promise<boolean> {
     element('plan-button').hidden = !path;
-    if (!path) { this.room = null; this.sizes.clear(); this.loaded = ''; return; }
-    if (this.loaded === version) return;
-    const room = await fetchRoom(path);
-    if (!room) return;
+    if (!path) { const had = this.room !== null; this.room = null; this.sizes.clear(); this.loaded = ''; return had; }
+    if (this.loaded === version) return false;
+    const room = await fetchRoom(path, version);
+    if (!room) return false;
     this.room = room as RoomFile;
     this.loaded = version;
     const m = this.room.frame.world_to_room, rows = m.flat();
@@ -57,6 +62,7 @@ export class Plan {
     const scale = this.room.scale.units_per_scene_unit;
     this.sizes = new Map(this.room.objects.map((o) => [`${o.class}#${o.instance}`, [o.size[0] / scale, o.size[1] / scale, o.size[2] / scale]]));
     this.show();
+    return true;
   }
 
   /// Marks the camera: eye and direction in the scene's own axes.

@@ -60,8 +60,8 @@ function upright(points: Vec3[]): { centre: Vec3; size: Vec3 } {
   return { centre: new Vec3(c * u - s * v, middle(height), s * u + c * v), size: new Vec3(sides[0], height[1] - height[0], sides[1]) };
 }
 
-/// "212 × 148 × 61 cm" of a metric scene: width, depth and height.
-export function sizeText(size: Vec3, metric: boolean): string {
+/// "212 × 148 × 61 cm": width, depth and height. `metres`: of a scene unit; null: nobody knows.
+export function sizeText(size: Vec3, metres: number | null): string {
   const numbers = [size.x, size.z, size.y];
-  return metric ? `${numbers.map((v) => Math.round(100 * v)).join(' × ')} cm` : `${numbers.map((v) => v.toFixed(2)).join(' × ')} units`;
+  return metres !== null ? `${numbers.map((v) => Math.round(100 * metres * v)).join(' × ')} cm` : `${numbers.map((v) => v.toFixed(2)).join(' × ')} units`;
 }

@@ -94,7 +94,7 @@ export class Selection {
     const info = this.state.classes?.find((c) => c.id === hit.label), name = hit.label === kNoLabel ? 'no class' : info?.name ?? `class ${hit.label}`;
     const object = hit.instance > 0 ? this.objects.find(hit.label, hit.instance) : null;
     const parts = [hit.instance > 0 ? `object ${hit.instance}` : '', object ? this.objects.size(object) : '',
-      `${hit.distance.toFixed(2)} ${this.state.units === 'metres' ? 'm' : 'units'} away`];
+      `${this.objects.length(hit.distance)} away`];
     return `${name}: ${parts.filter(Boolean).join(', ')}`;
   }
 }

@@ -104,6 +104,30 @@ await withBrowser(async (browser) => {
     await page.keyboard.press('g');
   }
 
+  // A known length sets the scale, and is taken back.
+  if (existsSync(join(run, 'room.json'))) {
+    const scale = () => JSON.parse(readFileSync(join(run, 'room.json'), 'utf8')).scale, first = scale(), item = page.locator('#measures li').first();
+    const size = () => page.evaluate(() => window.aligngs.page.objects.size(window.aligngs.page.objects.objects[0])), before_size = await size();
+    await page.keyboard.press('m');
+    for (const x of [0.35, 0.65]) await page.mouse.click(box.x + box.width * x, box.y + box.height * 0.6);
+    await page.keyboard.press('m');
+    const measured = parseFloat(await item.textContent());
+    await item.locator('.known').click();
+    await page.locator('#known-length').fill('-1');
+    await page.locator('#known-length').press('Enter');
+    check(scale().units_per_scene_unit === first.units_per_scene_unit, 'a length below zero is not sent');
+    await page.locator('#known-length').fill(String(2 * measured));
+    await shot('known_length');
+    await page.locator('#known-length').press('Enter');
+    await page.waitForFunction((m) => Math.abs(parseFloat(document.querySelector('#measures li').textContent) - 2 * m) < 2e-3, measured);
+    check(Math.abs(scale().units_per_scene_unit / first.units_per_scene_unit - 2) < 0.01 && scale().source === 'given', `the length that is known sets the scale (${await message()})`);
+    check(await size() !== before_size, `and objects have other sizes (${before_size}, now ${await size()})`);
+    await page.locator('#scale-reset').click();
+    await page.waitForFunction((m) => Math.abs(parseFloat(document.querySelector('#measures li').textContent) - m) < 2e-3, measured);
+    check(scale().source === first.source && await page.locator('#scale-reset').isHidden(), 'the scale is taken back');
+    await page.locator('#measures-clear').click();
+  }
+
   // Links and kept views.
   await page.evaluate(() => { window.aligngs.page.navigation.turn(150, 40); });
   const here = await pose();

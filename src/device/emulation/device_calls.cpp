@@ -23,7 +23,7 @@
 namespace aligngs::cuda {
 namespace {
 
-constexpr std::align_val_t kAlignment{256};  // as cudaMalloc gives it
+constexpr std::align_val_t kEmulatedAlignment{256};  // as cudaMalloc gives it
 
 std::atomic<int> device_total{1};
 thread_local int current = 0;
@@ -87,7 +87,7 @@ DeviceMemory memory_of_current_device() {
 }
 
 void* allocate(uint64_t bytes) {
-  void* memory = ::operator new(bytes, kAlignment, std::nothrow);
+  void* memory = ::operator new(bytes, kEmulatedAlignment, std::nothrow);
   if (memory == nullptr) return nullptr;
   std::memset(memory, 0xFF, bytes);  // NaN: reads of what was never written show
   const std::lock_guard<std::mutex> lock(memory_mutex);
@@ -101,7 +101,7 @@ void release(void* memory) noexcept {
     ASAN_UNPOISON_MEMORY_REGION(memory, found->second.bytes);
     memory_map().erase(found);
   }
-  ::operator delete(memory, kAlignment);
+  ::operator delete(memory, kEmulatedAlignment);
 }
 // In the order of the stream: an arena may be emptied in the middle of what a graph records and carries out later.
 void withhold(void* memory, uint64_t bytes) noexcept {

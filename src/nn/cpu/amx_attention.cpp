@@ -21,10 +21,10 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr int64_t kKeyBlock = 256;  // scores of 32 queries: 32 KB
-constexpr int64_t kLane = 16;       // queries side by side in a vector
+constexpr int64_t kTileKeyBlock = 256;  // scores of 32 queries: 32 KB
+constexpr int64_t kLane = 16;           // queries side by side in a vector
 constexpr int64_t kDim = kAmxHeadDim;
-constexpr float kNever = -1e30f;
+constexpr float kTileNever = -1e30f;
 
 bool ask_the_processor() {
   unsigned a, b, c, d;
@@ -146,14 +146,14 @@ ALIGNGS_AMX_TARGET void gather(const uint16_t* values, int64_t count, const uint
 
 ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch) {
   const int64_t lanes = (block.query_count + kAmxQueries - 1) / kAmxQueries * 2;
-  float* scores0 = scratch.floats(size_t(kKeyBlock * kLane));
-  float* scores1 = scratch.floats(size_t(kKeyBlock * kLane));
-  uint16_t* weights0 = scratch.halves(size_t(kKeyBlock * kLane));
-  uint16_t* weights1 = scratch.halves(size_t(kKeyBlock * kLane));
+  float* scores0 = scratch.floats(size_t(kTileKeyBlock * kLane));
+  float* scores1 = scratch.floats(size_t(kTileKeyBlock * kLane));
+  uint16_t* weights0 = scratch.halves(size_t(kTileKeyBlock * kLane));
+  uint16_t* weights1 = scratch.halves(size_t(kTileKeyBlock * kLane));
   float* most = scratch.floats(size_t(lanes * kLane));
   float* total = scratch.floats(size_t(lanes * kLane));
   float* sums = scratch.floats(size_t(lanes * kLane * kDim));
-  std::fill_n(most, lanes * kLane, kNever);
+  std::fill_n(most, lanes * kLane, kTileNever);
   std::fill_n(total, lanes * kLane, 0.0f);
   std::fill_n(sums, lanes * kLane * kDim, 0.0f);
   TileConfig config;
@@ -162,8 +162,8 @@ ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch)
     config.rows[i] = 16;
   }
   _tile_loadconfig(&config);
-  for (int64_t begin = 0; begin < block.key_count; begin += kKeyBlock) {
-    const int64_t valid = std::min(kKeyBlock, block.key_count - begin);
+  for (int64_t begin = 0; begin < block.key_count; begin += kTileKeyBlock) {
+    const int64_t valid = std::min(kTileKeyBlock, block.key_count - begin);
     const int64_t count = (valid + kAmxKeys - 1) / kAmxKeys * kAmxKeys;
     for (int64_t l = 0; l < lanes; l += 2) {
       const auto lane_at = [&](int64_t i) {
@@ -172,8 +172,8 @@ ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch)
       const Lane lane0 = lane_at(l), lane1 = lane_at(l + 1);
       score(block.keys + begin * kDim, count, block.queries + l * kLane * kDim, scores0, scores1);
       if (valid < count) {
-        std::fill_n(scores0 + valid * kLane, (count - valid) * kLane, kNever);
-        std::fill_n(scores1 + valid * kLane, (count - valid) * kLane, kNever);
+        std::fill_n(scores0 + valid * kLane, (count - valid) * kLane, kTileNever);
+        std::fill_n(scores1 + valid * kLane, (count - valid) * kLane, kTileNever);
       }
       softmax_lane(scores0, count, lane0, weights0);
       softmax_lane(scores1, count, lane1, weights1);

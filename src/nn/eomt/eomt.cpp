@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kEomtNormEps = 1e-6f;
 
-VitOptions vit_options(int64_t heads) {
+VitOptions eomt_vit_options(int64_t heads) {
   VitOptions options;
   options.heads = heads;
   options.position = PositionRule::kPatchTable;
@@ -66,7 +66,7 @@ Eomt::Eomt(Compute& compute, const Weights& weights, const EomtOptions& options)
   exact.onednn = compute.matrices()->name() != "portable";
   exact.device = compute.options().device;
   exact_ = std::make_unique<Compute>(compute.pool(), exact);
-  vit_ = std::make_unique<Vit>(compute, weights.sub("encoder.backbone."), vit_options(options.heads));
+  vit_ = std::make_unique<Vit>(compute, weights.sub("encoder.backbone."), eomt_vit_options(options.heads));
   const int64_t c = vit_->channels();
   const Shape table = weights.shape("encoder.backbone.pos_embed");
   window_ = int(std::lround(std::sqrt(double(table[table.size() - 2]))) * vit_->patch());

@@ -11,7 +11,7 @@ namespace aligngs::nn {
 namespace {
 
 constexpr double kGroupNormEps = 1e-5;  // of group and batch norm in PyTorch
-constexpr int64_t kRowChunk = 256;
+constexpr int64_t kNormRowChunk = 256;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Matrix LayerNorm::operator()(Compute& compute, const Matrix& x) const {
                        y.data.write_on(*device));
     return y;
   }
-  compute.for_rows(x.rows, kRowChunk,
+  compute.for_rows(x.rows, kNormRowChunk,
                    [&](int64_t begin, int64_t count, Scratch&) { rows(x.row(begin), count, y.row(begin)); });
   return y;
 }
@@ -56,11 +56,11 @@ void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
   }
   const int64_t size = x.channels / groups_, places = x.places();
   // Sums per fixed chunk of places, added in order: the same for any number of threads.
-  const int64_t chunks = (places + kRowChunk - 1) / kRowChunk;
+  const int64_t chunks = (places + kNormRowChunk - 1) / kNormRowChunk;
   std::vector<double> sums(size_t(chunks * groups_)), squares(sums.size());
   const auto over_chunks = [&](const std::function<void(int64_t, int64_t, int64_t)>& body) {
-    compute.for_rows(places, kRowChunk,
-                     [&](int64_t begin, int64_t count, Scratch&) { body(begin / kRowChunk, begin, count); });
+    compute.for_rows(places, kNormRowChunk,
+                     [&](int64_t begin, int64_t count, Scratch&) { body(begin / kNormRowChunk, begin, count); });
   };
   const auto total = [&](const std::vector<double>& parts, int64_t group) {
     double sum = 0;
@@ -121,7 +121,7 @@ void BatchNorm::apply(Compute& compute, FeatureMap& x) const {
     device->scale_columns(x.data.change_on(*device), x.places(), x.channels, scale.on(*device), shift.on(*device));
     return;
   }
-  compute.for_rows(x.places(), kRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
+  compute.for_rows(x.places(), kNormRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
     for (int64_t p = begin; p < begin + count; ++p) {
       float* row = x.data.data() + p * x.channels;
       for (int64_t c = 0; c < x.channels; ++c) row[c] = row[c] * scale[size_t(c)] + shift[size_t(c)];

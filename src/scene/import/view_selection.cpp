@@ -18,7 +18,7 @@ constexpr double kCosSameDirection = 0.99939;   // 2 degrees: less parallax adds
 constexpr double kGain[3] = {1, 0.5, 0.25};     // value of the first, second, third view of a sample
 constexpr double kOcclusionSlack = 0.05;        // relative depth difference that still counts as seen
 
-struct Sample {
+struct SurfaceSample {
   Vec3d position;
   int seen = 0;
   Vec3d directions[3];
@@ -93,11 +93,11 @@ std::vector<double> sharpness_of_frames(const Capture& capture, ThreadPool& pool
   return scores;
 }
 
-std::vector<Sample> samples_of_frame(const Capture& capture, const CapturedFrame& frame, double fallback_depth) {
+std::vector<SurfaceSample> samples_of_frame(const Capture& capture, const CapturedFrame& frame, double fallback_depth) {
   const PinholeView view = pinhole_view(frame);
   const Rigidd to_world = view.pose.inverse();
   const ImageF depth = depth_of(capture, frame);
-  std::vector<Sample> samples;
+  std::vector<SurfaceSample> samples;
   for (int r = 0; r < kGridRows; ++r) {
     for (int c = 0; c < kGridColumns; ++c) {
       const double u = (c + 0.5) / kGridColumns, v = (r + 0.5) / kGridRows;
@@ -171,7 +171,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
   for (const int i : candidates) views.push_back(pinhole_view(capture.frames[i]));
   const double fallback = typical_depth(capture, views);
 
-  std::vector<std::vector<Sample>> parts(m);
+  std::vector<std::vector<SurfaceSample>> parts(m);
   std::vector<CoarseDepth> depths(m);
   pool.parallel_for(m, 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -179,7 +179,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
       depths[i] = coarse_depth(capture, capture.frames[candidates[i]]);
     }
   });
-  std::vector<Sample> samples;
+  std::vector<SurfaceSample> samples;
   for (const auto& part : parts) samples.insert(samples.end(), part.begin(), part.end());
 
   // Samples that each candidate sees, once.
@@ -206,7 +206,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
         if (used[i]) continue;
         double gain = 0;
         for (const uint32_t s : sees[i]) {
-          const Sample& sample = samples[s];
+          const SurfaceSample& sample = samples[s];
           if (sample.seen >= 3) continue;
           const Vec3d direction = normalized(sample.position - views[i].centre);
           bool repeated = false;
@@ -221,7 +221,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
     used[best] = 1;
     chosen.push_back(candidates[best]);
     for (const uint32_t s : sees[best]) {
-      Sample& sample = samples[s];
+      SurfaceSample& sample = samples[s];
       if (sample.seen < 3) sample.directions[sample.seen++] = normalized(sample.position - views[best].centre);
     }
   }
