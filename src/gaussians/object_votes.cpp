@@ -18,8 +18,10 @@ constexpr size_t kLinkGrain = 256;  // links per chunk
 /// Pixels of a piece in a segment of a photo.
 struct PieceView {
   uint32_t photo = 0;
-  uint16_t segment = 0, label = 0;  ///< label: class that the photo gives the segment
+  uint16_t segment = 0;  ///< SegmentMap::kNone: in no segment of a thing
+  uint16_t label = 0;    ///< class that the photo gives the segment
   double pixels = 0;
+  bool is_thing() const { return segment != SegmentMap::kNone; }
 };
 using PieceViews = std::vector<PieceView>;  // by photo, then segment
 
@@ -64,6 +66,7 @@ double votes_for(const PieceViews& a, const PieceViews& b, double enough) {
     for (size_t k = j; k < j_end; ++k) all_b += b[k].pixels;
     for (size_t k = i; k < i_end; ++k) {
       for (size_t l = j; l < j_end; ++l) {
+        if (!a[k].is_thing() || !b[l].is_thing()) continue;
         const double both = a[k].pixels * b[l].pixels;
         if (a[k].segment == b[l].segment)
           same += both;
@@ -138,7 +141,7 @@ class Pieces {
         const auto most = std::max_element(views_[c].begin() + static_cast<std::ptrdiff_t>(i),
                                            views_[c].begin() + static_cast<std::ptrdiff_t>(end),
                                            [](const auto& x, const auto& y) { return x.pixels < y.pixels; });
-        by_segment[{most->photo, most->segment}].push_back(c);
+        if (most->is_thing()) by_segment[{most->photo, most->segment}].push_back(c);
         i = end;
       }
     }
@@ -230,7 +233,9 @@ void settle_borders(const DensityLinks& links, const ClassSightings& sightings, 
   constexpr int kRounds = 2;  // each reaches as far as a link, which is about a cell
   const size_t n = group.size();
   std::vector<std::vector<PieceView>> seen(n);
-  for (const auto& [i, view] : sightings) seen[i].push_back(view);
+  for (const auto& [i, view] : sightings) {
+    if (view.is_thing()) seen[i].push_back(view);
+  }
   for (int round = 0; round < kRounds; ++round) {
     std::map<std::pair<uint32_t, uint16_t>, std::map<uint32_t, double>> shares;  // of a segment, by object
     for (size_t i = 0; i < n; ++i) {
@@ -269,7 +274,8 @@ void settle_borders(const DensityLinks& links, const ClassSightings& sightings, 
 std::vector<uint32_t> voted_groups(const std::vector<Vec3f>& points, const DensityLinks& links,
                                    const ClassSightings& sightings, const InstanceOptions& options,
                                    const ObjectVoteOptions& votes, ThreadPool& pool) {
-  if (sightings.empty() || !(links.reach > 0)) return links.group;
+  const bool any = std::any_of(sightings.begin(), sightings.end(), [](const auto& s) { return s.second.is_thing(); });
+  if (!any || !(links.reach > 0)) return links.group;
   size_t count = 0;
   const std::vector<uint32_t> cell = cells_of(points, links, votes.cell * static_cast<double>(links.reach), count);
   std::vector<size_t> sizes(count, 0);
@@ -339,10 +345,10 @@ std::vector<Instance> vote_instances(const GaussianModel& model, GaussianLabels&
   for (uint32_t p = 0; p < photos.size(); ++p) {
     for (const SegmentSighting& s : photos[p].seen) {
       if (s.gaussian >= place.size() || place[s.gaussian] == kNoPiece || !(s.pixels > 0)) continue;
-      const Segment& segment = photos[p].segments.at(s.segment);
-      if (!segment.is_thing()) continue;
-      sightings[labels.label[s.gaussian]].push_back(
-          {place[s.gaussian], {p, s.segment, segment.label, static_cast<double>(s.pixels)}});
+      const bool thing = s.segment != SegmentMap::kNone && photos[p].segments.at(s.segment).is_thing();
+      const PieceView view = {p, thing ? s.segment : SegmentMap::kNone,
+                              thing ? photos[p].segments[s.segment].label : uint16_t(0), static_cast<double>(s.pixels)};
+      sightings[labels.label[s.gaussian]].push_back({place[s.gaussian], view});
     }
   }
   for (const auto& [label, members] : rows) {

@@ -9,10 +9,10 @@
 
 namespace aligngs {
 
-/// A photo shows a Gaussian inside of a segment.
+/// A photo shows a Gaussian inside of a segment, or of none.
 struct SegmentSighting {
   uint32_t gaussian = 0;
-  uint16_t segment = 0;  ///< index into PhotoSegments::segments, of a thing
+  uint16_t segment = 0;  ///< index into PhotoSegments::segments, or SegmentMap::kNone
   float pixels = 0;      ///< of the photo, > 0
 };
 

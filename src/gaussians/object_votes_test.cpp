@@ -92,6 +92,15 @@ TEST_F(ObjectVotes, SegmentsOfStuffSayNothing) {
   EXPECT_EQ(count(slab(), {stuff, stuff}), 1u);
 }
 
+TEST_F(ObjectVotes, AFewPixelsInASegmentDoNotMakeAPiecePartOfIt) {
+  // the left piece is a chair; of the right one most pixels lie in no segment, and some in that of the chair
+  PhotoSegments spilled = kWhole;
+  for (SegmentSighting& s : spilled.seen) {
+    if (static_cast<int>(s.gaussian) % kColumns >= kColumns / 2 + 4) s.segment = SegmentMap::kNone;
+  }
+  EXPECT_EQ(count(slab(0.5f), {spilled, spilled, spilled, spilled}), 2u);
+}
+
 TEST_F(ObjectVotes, WithoutSegmentsTheyAreThoseOfConnections) {
   const GaussianModel model = slab(0.5f);
   PhotoSegments nothing;

@@ -46,8 +46,9 @@ PhotoSegments sighted_segments(const GaussianModel& model, const SegmentedView& 
   const PhotoOpinions opinions = gather_opinions(model, one, {view.near_plane}, raster, pool);
   for (const PhotoOpinion& o : opinions.of_photo[0]) {
     for (size_t k = 0; k < PhotoOpinion::kNames; ++k) {
-      if (!(o.share[k] > 0) || o.channel[k] >= things.size()) continue;
-      out.seen.push_back({o.gaussian, things[o.channel[k]], o.votes * o.share[k]});
+      if (!(o.share[k] > 0)) continue;
+      const uint16_t segment = o.channel[k] < things.size() ? things[o.channel[k]] : SegmentMap::kNone;
+      out.seen.push_back({o.gaussian, segment, o.votes * o.share[k]});
     }
   }
   return out;

@@ -19,7 +19,7 @@ struct SegmentedView {
 };
 
 /// A Gaussian has the pixels of a segment that the photo shows of it, by blending weight (PhotoOpinion). Hidden ones
-/// have none. Segments of stuff have no sightings. The same for any number of threads.
+/// have none. Stuff counts as no segment. A photo without things has no sightings. The same for any number of threads.
 PhotoSegments sighted_segments(const GaussianModel& model, const SegmentedView& view, const RasterSettings& raster,
                                ThreadPool& pool);
 

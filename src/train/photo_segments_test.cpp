@@ -60,7 +60,7 @@ TEST(PhotoSegmentsOfAView, AreThoseThatTheGaussianIsSeenIn) {
   }
   EXPECT_EQ(of_left, (std::set<uint16_t>{1}));
   EXPECT_EQ(of_middle, (std::set<uint16_t>{2}));
-  EXPECT_TRUE(of_right.empty()) << "floor is stuff";
+  EXPECT_EQ(of_right, (std::set<uint16_t>{SegmentMap::kNone})) << "floor is stuff";
 }
 
 TEST(PhotoSegmentsOfAView, OfStuffAloneAreNone) {
