@@ -25,6 +25,7 @@
 #include "scene/camera_path_json.h"
 #include "scene/label_set.h"
 #include "scene/scene_json.h"
+#include "scene/segment_file.h"
 #include "serve/page_notes.h"
 #include "train/config_file.h"
 #include "train/run_record.h"
@@ -85,6 +86,13 @@ std::vector<Reader> readers() {
        [](const fs::path& f) { read_priors_json(f); }},
       {"exposure_json", text(R"({"log_gains": {"a": [0.1, 0, -0.2], "b": [0, 0, 0]}})"),
        [](const fs::path& f) { read_exposure_json(f); }},
+      {"segments",
+       [] {
+         return written([](const fs::path& file) {
+           write_segments(file, {3, 1, {0, 1, SegmentMap::kNone}, {{0, Segment::kStuff}, {19, 2}}});
+         });
+       },
+       [](const fs::path& f) { read_segments(f, 150); }},
       {"labels_csv",
        [] {
          LabelSet labels;

@@ -10,7 +10,9 @@
 #include "edit/removal_score.h"
 #include "edit/selection_truth.h"
 #include "scene/mesh_ply.h"
+#include "scene/segment_file.h"
 #include "train/opened_run.h"
+#include "train/voted_objects.h"
 
 namespace aligngs {
 
@@ -18,12 +20,29 @@ using Json = nlohmann::json;
 
 namespace {
 
+/// The room with the objects that --objects asks for.
+EditableRoom with_objects(EditSession& session, const EditOptions& options) {
+  EditableRoom room = session.room();
+  if (options.objects == "stored") return room;
+  const SharedRun run = open_run_as_trained(options.run, options.scene);
+  TrainConfig config = run->config;
+  config.semantic.object_votes = options.objects == "votes";
+  if (config.semantic.object_votes && !has_segments(run->scene)) {
+    throw_bad_input(run->scene.folder / "segments", "", "not every training photo has segments, so that none votes",
+                    "make them: aligngs priors SCENE --semantics eomt-panoptic");
+  }
+  number_objects(room.gaussians.model, run->scene, config, room.gaussians.labels, session.pool());
+  return room;
+}
+
 /// Every object of a synthetic room.
-void measure_objects(const CommandContext& context, EditSession& session) {
+void measure_objects(const CommandContext& context, EditSession& session, const EditOptions& options) {
   const TriangleMesh truth = read_mesh_ply(session.scene().truth_mesh);
   const std::filesystem::path list = session.scene().truth_mesh.parent_path() / "objects.json";
+  ObjectDetection detection;
   const std::vector<ObjectScore> scores =
-      score_objects(session.room(), truth, read_true_objects(list, truth.vertices.size()), session.pool());
+      score_objects(with_objects(session, options), truth, read_true_objects(list, truth.vertices.size()),
+                    session.pool(), {}, &detection);
   Json objects = Json::array();
   std::string text;
   double sum = 0;
@@ -36,9 +55,25 @@ void measure_objects(const CommandContext& context, EditSession& session) {
     sum += s.iou;
   }
   const double mean = scores.empty() ? 0 : sum / static_cast<double>(scores.size());
-  char line[100];
-  std::snprintf(line, sizeof line, "%-24s IoU %.3f  of %zu objects\n", "mean", mean, scores.size());
-  print_result(context, Json{{"objects", objects}, {"mean_iou", mean}}, text + line);
+  char line[300];
+  std::snprintf(line, sizeof line,
+                "%-24s IoU %.3f  of %zu objects\n"
+                "found one by one: %zu of %zu true objects by %zu objects at IoU 0.5 (precision %.3f, recall %.3f, F "
+                "%.3f)\n",
+                "mean", mean, scores.size(), detection.right, detection.truths, detection.found, detection.precision(),
+                detection.recall(), detection.fscore());
+  print_result(context,
+               Json{{"objects", objects},
+                    {"mean_iou", mean},
+                    {"detection",
+                     {{"iou", 0.5},
+                      {"truths", detection.truths},
+                      {"found", detection.found},
+                      {"right", detection.right},
+                      {"precision", detection.precision()},
+                      {"recall", detection.recall()},
+                      {"fscore", detection.fscore()}}}},
+               text + line);
 }
 
 }  // namespace
@@ -52,7 +87,7 @@ void measure_selection(const CommandContext& context, EditSession& session, cons
   if (room.mesh.vertices.empty()) {
     throw_bad_input(session.folder() / "mesh", "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
   }
-  if (options.select.empty()) return measure_objects(context, session);
+  if (options.select.empty()) return measure_objects(context, session, options);
   const SelectionQuery query = read_selection(room, options.select);
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, parse_threshold(options.threshold), room.labels, {}, session.pool());

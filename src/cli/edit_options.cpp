@@ -32,6 +32,8 @@ void require_consistent(const EditOptions& options) {
     }
     return;
   }
+  if (options.objects != "stored" && (!options.measure || !options.select.empty()))
+    throw_usage("--objects is for --measure without --select", "add --measure, or leave --objects out");
   const bool says = !options.say.empty();
   if (says) require_only_a_sentence(options);
   const bool renames = !options.rename_selection.empty(), removes = !options.remove_selection.empty();
@@ -168,6 +170,12 @@ std::shared_ptr<EditOptions> add_edit_options(CLI::App& command) {
   command
       .add_flag("--measure", options->measure,
                 "compare the selection, or without --select every object, with the true ones of the scene (IoU)")
+      ->group("Selection");
+  command
+      .add_option("--objects", options->objects,
+                  "with --measure of every object: as stored, or found again by connections or by votes of segments/")
+      ->check(CLI::IsMember({"stored", "connected", "votes"}))
+      ->capture_default_str()
       ->group("Selection");
   return options;
 }

@@ -14,7 +14,7 @@ namespace aligngs {
 
 struct EditOptions {
   std::string run, scene, say, select, threshold = "argmax", recolor, highlight, move, turn, output, picture, truth,
-                                       replace, up = "z";
+                                       replace, up = "z", objects = "stored";
   double wait = EditSessionOptions().patience;  ///< seconds
   bool remove = false, extract = false, fill = false, with_contents = false, duplicate = false, fit = false;
   bool undo = false, list = false, dry_run = false, measure = false;

@@ -33,12 +33,16 @@ nlohmann::json json_of(const ScenePriorsReport& report) {
           {"views", report.written},
           {"was_there", report.was_there},
           {"width", report.width},
-          {"height", report.height}};
+          {"height", report.height},
+          {"segments", report.makes_segments ? nlohmann::json(report.segments) : nlohmann::json()}};
 }
 
 std::string line_of(const ScenePriorsReport& report) {
   if (report.was_there) return report.model + ", was there already";
-  return fmt::format("{}, {} views, maps of {} x {}", report.model, report.written, report.width, report.height);
+  std::string line =
+      fmt::format("{}, {} views, maps of {} x {}", report.model, report.written, report.width, report.height);
+  if (report.makes_segments) line += fmt::format(", {} segments", report.segments);
+  return line;
 }
 
 /// Priors are filled in a scene that this program wrote, or in a copy of it.
@@ -112,11 +116,11 @@ void run_priors(const CommandContext& context, PriorsOptions& options) {
 void add_priors_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("priors", "Compute depth and class priors of a scene with networks");
   command->group("Data");
-  command->footer(help_footer(
-      {.reads = "a scene folder with photos",
-       .writes = "pred_depths/, pred_confidence/, segmentation_logits/ and priors.json of SCENE, or of the copy OUT",
-       .example = "aligngs priors scene --semantics linear-b --depth vggt",
-       .advanced = "aligngs priors scene -o filled --semantics m2f --depth none --memory 12"}));
+  command->footer(help_footer({.reads = "a scene folder with photos",
+                               .writes = "pred_depths/, pred_confidence/, segmentation_logits/, segments/ and "
+                                         "priors.json of SCENE, or of the copy OUT",
+                               .example = "aligngs priors scene --semantics linear-b --depth vggt",
+                               .advanced = "aligngs priors scene -o filled --semantics m2f --depth none --memory 12"}));
   auto options = std::make_shared<PriorsOptions>();
   command->add_option("scene", options->scene, "scene folder")->required();
   command
@@ -132,7 +136,7 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
       ->add_option("--semantics", options->semantics,
                    words_in_help(semantic_choices()) +
                        ", none, or auto (the first of these that is installed); m2f is the method's, linear and "
-                       "lingbot are light")
+                       "lingbot are light; eomt-panoptic also makes segments")
       ->capture_default_str()
       ->group("Networks");
   command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")

@@ -72,6 +72,8 @@ nlohmann::json to_json(const AcceptanceReport& report) {
                                                           {"auc_30", report.published->auc_30},
                                                           {"abs_rel", report.published->abs_rel}}
                                          : nlohmann::json()},
+          {"published_panoptic_quality",
+           report.published_panoptic_quality ? nlohmann::json(*report.published_panoptic_quality) : nlohmann::json()},
           {"not_measured", "PSNR lost by training with the teacher's poses (needs two trainings)"}};
 }
 

@@ -69,6 +69,12 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
       ->capture_default_str()
       ->group("Simulated priors");
   command
+      .add_option("--segments", options->segments,
+                  "segments/: things one by one, as a panoptic network tells them apart, true, or none")
+      ->check(CLI::IsMember({"none", "teacher", "true"}))
+      ->capture_default_str()
+      ->group("Simulated priors");
+  command
       .add_flag("--unknown-similarity", synth.unknown_similarity,
                 "give the teacher's world an unknown scale and rotation, as real networks do")
       ->group("Simulated priors");
@@ -94,6 +100,9 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
                         : options.depth == "sensor" ? DepthTeacher::kSensor
                                                     : DepthTeacher::kFeedForward;
   synth.exposure = options.exposure == "walk" ? ExposureKind::kWalk : ExposureKind::kPerPhoto;
+  synth.segments = options.segments == "teacher" ? SegmentTeacher::kTeacher
+                   : options.segments == "true"  ? SegmentTeacher::kTrue
+                                                 : SegmentTeacher::kNone;
   synth.cloud = options.cloud == "sfm" ? CloudTeacher::kSfm : CloudTeacher::kFeedForward;
   for (const LabelTeacher teacher :
        {LabelTeacher::kTeacher, LabelTeacher::kTrue, LabelTeacher::kConstant, LabelTeacher::kShuffled}) {

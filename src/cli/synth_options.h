@@ -14,7 +14,7 @@ struct SynthCommandOptions {
   SynthOptions synth;
   std::optional<int> test_views;
   std::string size, teacher = "simulated", level = "medium", depth = "feedforward", exposure = "photo",
-                    cloud = "feedforward", labels = "teacher";
+                    cloud = "feedforward", labels = "teacher", segments = "none";
 };
 
 void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/error.h"
 #include "edit/mesh_selection.h"
@@ -19,6 +20,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kLargestList = uint64_t(16) << 20;  // bytes of objects.json
 constexpr uint32_t kNoObject = ~0u;
+constexpr double kMatch = 0.5;  // IoU of an object that is found
 
 /// True object of each surface point of the run, the first of its name; kNoObject where no truth is near.
 std::vector<uint32_t> true_objects_of(const std::vector<Vec3f>& points, const TriangleMesh& truth,
@@ -70,6 +72,32 @@ std::vector<uint8_t> selected_points(const EditableRoom& room, const SelectionTe
   return flags;
 }
 
+/// Walls, floor and ceiling, by the name of an object or of a class.
+bool is_shell(const std::string& name) {
+  const std::string of_class = name.substr(0, name.find('#'));
+  return of_class == "wall" || of_class == "floor" || of_class == "ceiling";
+}
+
+/// An object of the run that covers a true one.
+struct Overlap {
+  double iou = 0;
+  size_t truth = 0, object = 0;
+};
+
+/// Pairs of objects, the largest overlaps first; each object is in one pair at most.
+size_t matches(std::vector<Overlap> overlaps) {
+  std::stable_sort(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) { return a.iou > b.iou; });
+  std::set<size_t> truths, found;
+  size_t count = 0;
+  for (const Overlap& o : overlaps) {
+    if (truths.count(o.truth) || found.count(o.object)) continue;
+    truths.insert(o.truth);
+    found.insert(o.object);
+    ++count;
+  }
+  return count;
+}
+
 /// Walls are one object: their corners say nothing to a selection.
 std::vector<TrueObject> with_one_wall(std::vector<TrueObject> objects) {
   for (TrueObject& o : objects) {
@@ -102,7 +130,7 @@ std::vector<TrueObject> read_true_objects(const std::filesystem::path& file, siz
 
 std::vector<ObjectScore> score_objects(const EditableRoom& room, const TriangleMesh& truth,
                                        const std::vector<TrueObject>& given, ThreadPool& pool,
-                                       const ObjectScoreOptions& options) {
+                                       const ObjectScoreOptions& options, ObjectDetection* detection) {
   const std::vector<TrueObject> objects = with_one_wall(given);
   if (room.mesh.vertices.empty())
     throw_bad_input({}, "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
@@ -122,6 +150,11 @@ std::vector<ObjectScore> score_objects(const EditableRoom& room, const TriangleM
     scores[o].object = objects[o].name;
     scores[o].area = static_cast<double>(sizes[o]) / options.points_per_area;
   }
+  std::vector<uint8_t> is_counted(objects.size(), 0);  // of the true ones, for the detection
+  for (size_t o = 0; o < objects.size(); ++o)
+    is_counted[o] = sizes[o] >= options.least_points && !is_shell(objects[o].name);
+  std::vector<Overlap> overlaps;
+  size_t found = 0;
   for (const SelectionTerm& term : selectable(room)) {
     const std::vector<uint8_t> chosen = selected_points(room, term, surface, pool);
     std::vector<size_t> both(objects.size(), 0);
@@ -131,14 +164,23 @@ std::vector<ObjectScore> score_objects(const EditableRoom& room, const TriangleM
       ++all;
       ++both[truly[i]];
     }
+    const bool counts = term.instance > 0 && all >= options.least_points &&
+                        !is_shell(room.labels.classes.at(static_cast<size_t>(term.label)).name);
+    found += counts;
     for (size_t o = 0; o < objects.size(); ++o) {
       const double iou = both[o] ? static_cast<double>(both[o]) / static_cast<double>(all + sizes[o] - both[o]) : 0;
+      if (counts && is_counted[o] && iou > kMatch) overlaps.push_back({iou, o, found});
       if (iou <= scores[o].iou) continue;
       scores[o].iou = iou;
       SelectionQuery query;
       query.include = {term};
       scores[o].selection = selection_text(query, room.labels);
     }
+  }
+  if (detection) {
+    detection->truths = static_cast<size_t>(std::count(is_counted.begin(), is_counted.end(), uint8_t(1)));
+    detection->found = found;
+    detection->right = matches(std::move(overlaps));
   }
   std::vector<ObjectScore> out;
   for (size_t o = 0; o < objects.size(); ++o) {

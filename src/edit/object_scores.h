@@ -33,12 +33,25 @@ struct ObjectScoreOptions {
   size_t least_points = 60;      ///< of an object: smaller ones are left out (3 dm^2)
 };
 
+/// How many objects of the room are true ones, one by one and whatever their names. Walls, floor and ceiling count on
+/// neither side.
+struct ObjectDetection {
+  size_t truths = 0;  ///< true objects with enough surface
+  size_t found = 0;   ///< objects of the run with enough surface
+  size_t right = 0;   ///< pairs of them with an IoU above 0.5
+  double precision() const { return found > 0 ? static_cast<double>(right) / static_cast<double>(found) : 0; }
+  double recall() const { return truths > 0 ? static_cast<double>(right) / static_cast<double>(truths) : 0; }
+  double fscore() const {
+    return truths + found > 0 ? 2 * static_cast<double>(right) / static_cast<double>(truths + found) : 0;
+  }
+};
+
 /// Every surface point of the run's mesh belongs to the object of the nearest true surface, within the threshold. The
 /// selections are the run's objects, and its classes as wholes, each as an edit selects it. A true object gets the
-/// selection with the largest IoU, whatever its name. Walls are one object. Scene units are metres. Error{kBadInput} without a mesh or
-/// labels.
+/// selection with the largest IoU, whatever its name. Walls are one object. Scene units are metres. `detection`: as
+/// well, when it is asked for. Error{kBadInput} without a mesh or labels.
 std::vector<ObjectScore> score_objects(const EditableRoom& room, const TriangleMesh& truth,
                                        const std::vector<TrueObject>& objects, ThreadPool& pool,
-                                       const ObjectScoreOptions& options = {});
+                                       const ObjectScoreOptions& options = {}, ObjectDetection* detection = nullptr);
 
 }  // namespace aligngs

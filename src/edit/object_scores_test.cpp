@@ -49,6 +49,27 @@ TEST_F(ObjectScores, HalfOfABoxScoresHalf) {
   EXPECT_NEAR(iou_of(scores, small_room::kBox), 0.5, 0.1);
 }
 
+TEST_F(ObjectScores, ThingsAreCountedOneByOne) {
+  ObjectDetection detection;
+  std::vector<TrueObject> objects = objects_of(room_.mesh);
+  score_objects(room_, room_.mesh, objects, pool_, {}, &detection);
+  EXPECT_EQ(detection.truths, objects.size());  // their names are those of no wall
+  EXPECT_GT(detection.right, 0u);
+  EXPECT_LE(detection.right, detection.found);
+  EXPECT_GT(detection.fscore(), 0.5);
+}
+
+TEST_F(ObjectScores, TwoThingsInOneObjectAreNotFound) {
+  ObjectDetection apart, together;
+  const std::vector<TrueObject> objects = objects_of(room_.mesh);
+  score_objects(room_, room_.mesh, objects, pool_, {}, &apart);
+  for (size_t i = 0; i < room_.gaussians.labels.label.size(); ++i) {
+    if (room_.gaussians.labels.label[i] == small_room::kPillow) room_.gaussians.labels.instance[i] = 1;
+  }
+  score_objects(room_, room_.mesh, objects, pool_, {}, &together);
+  EXPECT_LT(together.found, apart.found);
+}
+
 TEST_F(ObjectScores, ARunWithoutAMeshIsBadInput) {
   const TriangleMesh truth = room_.mesh;
   room_.mesh = {};

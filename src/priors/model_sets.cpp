@@ -43,7 +43,7 @@ double tera_operations_per_photo(const std::string& model) {
   static const std::map<std::string, double> counted = {
       {"vggt-1b", 4.7},          {"vggt-1b-commercial", 4.7}, {"lingbot-map", 4.7},      {"da3-small", 0.18},
       {"da3-base", 0.48},        {"da3metric-large", 0.90},   {"ade20k-m2f", 45.6},      {"eomt-l", 1.58},
-      {"eomt-l-panoptic", 2.67}, {"lingbot-s", 0.064},        {"ade20k-linear-s", 0.19}, {"ade20k-linear-b", 0.61},
+      {"eomt-l-panoptic", 4.01}, {"lingbot-s", 0.064},        {"ade20k-linear-s", 0.19}, {"ade20k-linear-b", 0.61},
       {"ade20k-linear-l", 2.0},  {"ade20k-linear-g", 7.2},    {"nyu-dpt-l", 1.5},        {"nyu-dpt-g", 4.7},
   };
   const auto found = counted.find(model);

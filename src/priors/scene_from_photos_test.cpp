@@ -13,6 +13,7 @@
 #include "nn/random_weights.h"
 #include "priors/scene_priors.h"
 #include "scene/scene_json.h"
+#include "scene/segment_file.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -376,6 +377,24 @@ TEST_F(FromPhotos, EomtAndLingbotFillSemanticsAsWhatTheyAre) {
     error_of(ErrorKind::kResources, [&] { fill_semantics(folder / "scene", store, semantic_model(e.name), fill); });
     fill.memory_limit = 0;
   }
+}
+
+TEST_F(FromPhotos, ThePanopticNetworkStoresSegmentsAndAnotherRemovesThem) {
+  three_photos();
+  install_vggt();
+  install_label_networks();
+  make();
+  const ModelStore store(store_options);
+  const PublishedModel& panoptic = semantic_model("eomt-panoptic");
+  EXPECT_TRUE(fill_semantics(folder / "scene", store, panoptic, fill).makes_segments);
+  EXPECT_TRUE(has_segments(open_scene(folder / "scene")));
+  EXPECT_TRUE(fill_semantics(folder / "scene", store, panoptic, fill).was_there);
+  fs::remove(folder / "scene" / "segments" / "a.png");
+  EXPECT_FALSE(fill_semantics(folder / "scene", store, panoptic, fill).was_there) << "segments were missing";
+  EXPECT_TRUE(has_segments(open_scene(folder / "scene")));
+  fill.overwrite = true;
+  fill_semantics(folder / "scene", store, semantic_model("eomt-l"), fill);
+  EXPECT_FALSE(fs::exists(folder / "scene" / "segments"));
 }
 
 TEST_F(FromPhotos, MapsOfTheSameNetworkAreKept) {

@@ -50,13 +50,15 @@ std::string digest_of(const ModelStore& store, const PublishedModel& model) {
 /// Effect of a prior that is already in the folder.
 enum class Standing { kAbsent, kKeep, kReplace };
 
+/// `complete`: whether what else the model makes is there.
 Standing standing(const Scene& scene, const std::string& what, fs::path View::*map, bool overwrite,
-                  const std::string& model, const std::optional<PriorJson>& noted) {
+                  const std::string& model, const std::optional<PriorJson>& noted, bool complete = true) {
   size_t there = 0;
   for (const int i : scene.train) there += !(scene.views[size_t(i)].*map).empty();
   if (overwrite) return Standing::kReplace;
   if (there == 0) return Standing::kAbsent;
-  if (noted && noted->model == model) return there == scene.train.size() ? Standing::kKeep : Standing::kReplace;
+  if (noted && noted->model == model)
+    return there == scene.train.size() && complete ? Standing::kKeep : Standing::kReplace;
   throw_usage(fmt::format("{} has {} already (by {})", scene.folder.string(), what,
                           noted && !noted->model.empty() ? noted->model : "files of unknown origin"),
               "--overwrite replaces it");
@@ -74,6 +76,13 @@ class PriorFill {
     const fs::path file = maps_.path() / (view + ".npz");
     fs::create_directories(file.parent_path());
     write_npz_float16(file, shape, half.data());
+  }
+  /// segments/ comes with the maps; without any, those of the maps that went are removed.
+  void add_segments(const std::string& view, const SegmentMap& segments) {
+    if (!segments_) segments_.emplace(scene_.folder / "segments");
+    const fs::path file = segments_->path() / (view + ".png");
+    fs::create_directories(file.parent_path());
+    write_segments(file, segments);
   }
   void add_depth(const std::string& view, const ImageF& depth) {
     std::vector<uint16_t> half(depth.data.size());
@@ -101,13 +110,17 @@ class PriorFill {
       confidence_->commit();
     else if (entry == &PriorsJson::depth)
       fs::remove_all(scene_.folder / "pred_confidence");  // of the depth that went
+    if (segments_)
+      segments_->commit();
+    else if (entry == &PriorsJson::semantics)
+      fs::remove_all(scene_.folder / "segments");  // of the labels that went
     write_priors_json(scene_.folder / "priors.json", notes);
   }
 
  private:
   const Scene& scene_;
   FolderReplacement maps_;
-  std::optional<FolderReplacement> confidence_;
+  std::optional<FolderReplacement> confidence_, segments_;
 };
 
 Image<uint8_t> rgb_of(const View& view) { return nn::pillow_rgb_on_white(read_view_photo(view)); }
@@ -329,7 +342,9 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
   PriorsJson notes = read_priors_json(folder / "priors.json");
   ScenePriorsReport report;
   report.model = model.name;
-  if (standing(scene, "semantics", &View::semantics, options.overwrite, model.name, notes.semantics) ==
+  report.makes_segments = makes_segments(model);
+  const bool complete = !report.makes_segments || has_segments(scene);
+  if (standing(scene, "semantics", &View::semantics, options.overwrite, model.name, notes.semantics, complete) ==
       Standing::kKeep) {
     report.was_there = true;
     return report;
@@ -358,7 +373,8 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
     stop_if_requested();
     const View& view = scene.views[size_t(i)];
     const TeacherMapSize size = teacher->map_size(view.camera.width, view.camera.height);
-    const nn::FeatureMap map = teacher->map(compute, rgb_of(view), size.width, size.height);
+    const Image<uint8_t> rgb = rgb_of(view);
+    const nn::FeatureMap map = teacher->map(compute, rgb, size.width, size.height);
     std::vector<uint16_t> half(map.data.size());  // [classes][height][width]
     const int64_t places = map.places();
     for (int64_t p = 0; p < places; ++p) {
@@ -366,6 +382,10 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
         half[size_t(c * places + p)] = float_to_half(map.data[size_t(p * classes + c)]);
     }
     fill.add_semantics(view.name, {classes, map.height, map.width}, half);
+    if (const std::optional<SegmentMap> segments = teacher->segments(compute, rgb)) {
+      fill.add_segments(view.name, *segments);
+      report.segments += segments->list.size();
+    }
     report.width = size.width;
     report.height = size.height;
     progress.update(++report.written);

@@ -30,6 +30,8 @@ struct ScenePriorsReport {
   size_t written = 0;         ///< views
   bool was_there = false;     ///< every training view had it already, and it was kept
   int width = 0, height = 0;  ///< of the last map
+  bool makes_segments = false;
+  size_t segments = 0;  ///< of all photos
 };
 
 /// The model of a word of teacher_list.h. Error{kUsage} for another word.
@@ -57,9 +59,9 @@ void add_depth_memory(MemoryBudget& budget, const ModelStore& store, const Publi
 ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store, const PublishedModel& model,
                              const ScenePriorsOptions& options);
 
-/// Writes segmentation_logits/<view>.npz (float16 [150, h, w], one value per 8 pixels of the network's input). Writes
-/// priors.json with the kind: logits of the linear heads, scores of Mask2Former. Error{kBadInput} when the scene has
-/// other classes than ADE20K's.
+/// Writes segmentation_logits/<view>.npz (float16 [150, h, w], one value per 8 pixels of the network's input), and
+/// segments/<view>.png by a network that makes_segments(). Writes priors.json with the kind: logits of the linear
+/// heads, scores of Mask2Former. Error{kBadInput} when the scene has other classes than ADE20K's.
 ScenePriorsReport fill_semantics(const std::filesystem::path& scene, const ModelStore& store,
                                  const PublishedModel& model, const ScenePriorsOptions& options);
 

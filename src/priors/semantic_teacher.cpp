@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 
 #include "core/error.h"
@@ -62,8 +63,9 @@ class WindowedTeacher : public SemanticTeacher {
 
 class EomtTeacher : public SemanticTeacher {
  public:
-  EomtTeacher(nn::Compute& compute, const std::filesystem::path& file)
-      : network_(compute, nn::eomt_weights(WeightFile::open(file)), nn::eomt_options_beside(file)) {}
+  EomtTeacher(nn::Compute& compute, const std::filesystem::path& file, bool panoptic)
+      : panoptic_(panoptic),
+        network_(compute, nn::eomt_weights(WeightFile::open(file)), nn::eomt_options_beside(file)) {}
 
   int64_t classes() const override { return network_.classes(); }
   SemanticKind kind() const override { return SemanticKind::kScores; }
@@ -71,8 +73,17 @@ class EomtTeacher : public SemanticTeacher {
   nn::FeatureMap map(nn::Compute& compute, const Image<uint8_t>& rgb, int width, int height) const override {
     return nn::eomt_scores(compute, network_, rgb, height, width);
   }
+  std::optional<SegmentMap> segments(nn::Compute& compute, const Image<uint8_t>& rgb) const override {
+    if (!panoptic_) return std::nullopt;
+    const nn::EomtPadded padded = nn::eomt_padded(rgb, network_.window());
+    const int width = std::min(padded.width, rgb.width), height = std::min(padded.height, rgb.height);
+    const nn::PanopticOptions options;
+    return segment_map_of(nn::panoptic_map(compute, network_(compute, padded.image), padded, width, height, options),
+                          options.stuff);
+  }
 
  private:
+  bool panoptic_;
   nn::Eomt network_;
 };
 
@@ -110,6 +121,7 @@ struct TeacherFamily {
   Plan plan;           ///< of the windows; unused by a network that takes the photo as a whole
   AddMemory add_memory;
   Load load;
+  bool segments = false;  ///< tells things of one class apart
 };
 
 nn::SegmentationPlan linear_plan(bool) { return nn::linear_plan(); }
@@ -126,7 +138,23 @@ void add_eomt(MemoryBudget& budget, const TeacherFiles& files, const nn::Segment
 }
 std::unique_ptr<SemanticTeacher> load_eomt(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan&,
                                            int mask2former_heads) {
-  return std::make_unique<EomtTeacher>(compute, files.file);
+  return std::make_unique<EomtTeacher>(compute, files.file, false);
+}
+
+/// Masks of all queries at the size of the window and once more: at most so many are kept.
+void add_panoptic(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan& plan,
+                  const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  add_eomt(budget, files, plan, photos, options);
+  const nn::Weights weights = nn::eomt_weights(WeightFile::open(files.file));
+  const nn::Weights backbone = weights.sub("encoder.backbone.");
+  const nn::Shape table = backbone.shape("pos_embed");
+  const auto patch = uint64_t(backbone.dimension("patch_embed.proj.weight", 2));
+  const uint64_t pixels = uint64_t(table[table.size() - 2]) * patch * patch;
+  budget.add("masks of the segments of one photo", pixels * uint64_t(weights.dimension("q.weight", 0)) * sizeof(float));
+}
+std::unique_ptr<SemanticTeacher> load_panoptic(nn::Compute& compute, const TeacherFiles& files,
+                                               const nn::SegmentationPlan&, int mask2former_heads) {
+  return std::make_unique<EomtTeacher>(compute, files.file, true);
 }
 
 void add_lingbot(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&,
@@ -179,7 +207,8 @@ std::unique_ptr<SemanticTeacher> load_head(nn::Compute& compute, const TeacherFi
       plan, SemanticKind::kLogits);
 }
 
-constexpr TeacherFamily kTeacherFamilies[] = {{"eomt-", linear_plan, add_eomt, load_eomt},
+constexpr TeacherFamily kTeacherFamilies[] = {{"eomt-l-panoptic", linear_plan, add_panoptic, load_panoptic, true},
+                                              {"eomt-", linear_plan, add_eomt, load_eomt},
                                               {"lingbot-", linear_plan, add_lingbot, load_lingbot},
                                               {"ade20k-m2f", mask2former_plan, add_mask2former, load_mask2former},
                                               {"ade20k-ms", nn::multi_scale_plan, add_head, load_head},
@@ -200,6 +229,32 @@ TeacherFiles files_of(const ModelStore& store, const PublishedModel& model) {
 
 }  // namespace
 
+std::optional<SegmentMap> SemanticTeacher::segments(nn::Compute&, const Image<uint8_t>&) const { return std::nullopt; }
+
+SegmentMap segment_map_of(const nn::PanopticMap& panoptic, const std::vector<int>& stuff) {
+  SegmentMap out;
+  out.width = panoptic.width;
+  out.height = panoptic.height;
+  std::vector<size_t> order(panoptic.list.size());  // by class, then id
+  std::iota(order.begin(), order.end(), size_t(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return panoptic.list[a].category < panoptic.list[b].category; });
+  std::vector<uint16_t> index(panoptic.list.size());
+  for (const size_t i : order) {
+    const auto label = static_cast<uint16_t>(panoptic.list[i].category);
+    const bool together = std::find(stuff.begin(), stuff.end(), int(label)) != stuff.end();
+    const bool follows = !out.list.empty() && out.list.back().label == label;
+    const auto number = static_cast<uint16_t>(together ? Segment::kStuff : follows ? out.list.back().number + 1 : 0);
+    if (!together && number >= Segment::kStuff)
+      throw Error({ErrorKind::kFailed, "the network finds more things of one class than a file holds", {}, {}, {}});
+    index[i] = static_cast<uint16_t>(out.list.size());
+    out.list.push_back({label, number});
+  }
+  out.of_pixel.reserve(panoptic.segments.size());
+  for (const int id : panoptic.segments) out.of_pixel.push_back(id < 0 ? SegmentMap::kNone : index[size_t(id)]);
+  return out;
+}
+
 TeacherMapSize SemanticTeacher::map_size(int photo_width, int photo_height) const {
   constexpr double kStride = 8;
   const double scale = short_side() / kStride / std::min(photo_width, photo_height);
@@ -210,6 +265,8 @@ TeacherMapSize SemanticTeacher::map_size(int photo_width, int photo_height) cons
 nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment) {
   return teacher_family(model).plan(augment);
 }
+
+bool makes_segments(const PublishedModel& model) { return teacher_family(model).segments; }
 
 void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model, bool augment,
                          const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {

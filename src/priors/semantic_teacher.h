@@ -3,11 +3,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
+#include "nn/eomt/panoptic.h"
 #include "nn/segmentation.h"
 #include "priors/model_store.h"
 #include "priors/network_memory.h"
 #include "scene/scene.h"
+#include "scene/segment_file.h"
 
 namespace aligngs {
 
@@ -24,6 +27,9 @@ class SemanticTeacher {
   virtual SemanticKind kind() const = 0;
   /// Values [height, width, classes] of a photo (RGB).
   virtual nn::FeatureMap map(nn::Compute& compute, const Image<uint8_t>& rgb, int width, int height) const = 0;
+  /// The photo's segments (segment_file.h), at the size at which the network sees it and no larger than the photo.
+  /// Nothing by a network that does not tell things of one class apart.
+  virtual std::optional<SegmentMap> segments(nn::Compute& compute, const Image<uint8_t>& rgb) const;
   /// Pixels of the short side of what the network is shown.
   virtual int short_side() const = 0;
 
@@ -31,6 +37,13 @@ class SemanticTeacher {
   /// Mask2Former and EoMT decide at 1/4.
   TeacherMapSize map_size(int photo_width, int photo_height) const;
 };
+
+/// Numbers the segments of a panoptic map within their classes. Error{kFailed} for more things of a class than the file
+/// can hold.
+SegmentMap segment_map_of(const nn::PanopticMap& panoptic, const std::vector<int>& stuff);
+
+/// Whether its teacher gives segments.
+bool makes_segments(const PublishedModel& model);
 
 /// How a photo is shown to the network of a model that slides windows of a plan over it.
 nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment);

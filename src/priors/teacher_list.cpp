@@ -36,7 +36,7 @@ const PublishedModel* first_installed(const std::vector<TeacherWord>& teachers, 
 const std::vector<TeacherWord>& semantic_teachers() {
   static const std::vector<TeacherWord> teachers = {{"m2f", "ade20k-m2f", true},
                                                     {"eomt-l", "eomt-l", true},
-                                                    {"eomt-l-panoptic", "eomt-l-panoptic", true},
+                                                    {"eomt-panoptic", "eomt-l-panoptic", true},
                                                     {"ms-g", "ade20k-ms-g", true},
                                                     {"linear-g", "ade20k-linear-g", true},
                                                     {"ms-l", "ade20k-ms-l", true},
@@ -46,6 +46,7 @@ const std::vector<TeacherWord>& semantic_teachers() {
                                                     {"lingbot-s", "lingbot-s", true},
                                                     {"ms-s", "ade20k-ms-s", true},
                                                     {"linear-s", "ade20k-linear-s", true},
+                                                    {"eomt-l-panoptic", "eomt-l-panoptic", false},
                                                     {"ms", "ade20k-ms-s", false},
                                                     {"linear", "ade20k-linear-s", false}};
   return teachers;

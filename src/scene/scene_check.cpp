@@ -18,6 +18,7 @@
 #include "scene/image_quality.h"
 #include "scene/mesh_ply.h"
 #include "scene/prior_maps.h"
+#include "scene/segment_file.h"
 
 namespace aligngs {
 namespace {
@@ -159,6 +160,8 @@ ViewFindings check_view(const Scene& scene, int index, const std::vector<ScenePr
   if (good(view.image)) note_error(findings, view.image, [&] { check_image(view, findings); });
   if (good(view.prior_depth)) note_error(findings, view.prior_depth, [&] { check_depth(scene, view, findings); });
   if (good(view.semantics)) note_error(findings, view.semantics, [&] { check_semantics(scene, view, findings); });
+  if (const fs::path file = segment_file_of(scene, view); fs::is_regular_file(file) && good(file))
+    note_error(findings, file, [&] { read_segments(file, scene.labels.size()); });
   check_truth(scene, index, findings);
   for (SceneProblem& problem : findings.problems) problem.view = view.name;
   return findings;

@@ -7,6 +7,7 @@
 #include "scene/photo_fit.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_check.h"
+#include "scene/segment_file.h"
 
 namespace aligngs {
 namespace {
@@ -75,6 +76,17 @@ void check_presence(const Scene& scene, HasMap has_map, const char* folder, std:
   }
 }
 
+/// Segments of some views are of no use, and no reason to leave the others out.
+void check_segment_presence(const Scene& scene, std::vector<SceneProblem>& problems) {
+  const auto has = [&](int i) { return std::filesystem::is_regular_file(segment_file_of(scene, scene.views[i])); };
+  const auto present = static_cast<size_t>(std::count_if(scene.train.begin(), scene.train.end(), has));
+  if (present == 0 || present == scene.train.size()) return;
+  problems.push_back({scene.folder / "segments", "map",
+                      "only " + std::to_string(present) + " of " + std::to_string(scene.train.size()) +
+                          " training views have one: none is used",
+                      "make the segments of every training view", false});
+}
+
 }  // namespace
 
 std::vector<SceneProblem> check_headers(const Scene& scene) {
@@ -91,6 +103,7 @@ std::vector<SceneProblem> check_headers(const Scene& scene) {
       note_error(problems, view.semantics, [&] { check_semantic_header(view, scene.labels); });
     }
     note_error(problems, view.image, [&] { check_confidence_header(scene, view); });
+    note_error(problems, view.image, [&] { check_segment_header(scene, view); });
     for (size_t k = before; k < problems.size(); ++k) problems[k].view = view.name;
   }
   check_presence(
@@ -100,6 +113,7 @@ std::vector<SceneProblem> check_headers(const Scene& scene) {
   check_presence(
       scene, [&](const View& view) { return std::filesystem::exists(confidence_of(scene, view)); }, "pred_confidence",
       problems);
+  check_segment_presence(scene, problems);
   return problems;
 }
 

@@ -9,6 +9,7 @@
 #include "io/image_file.h"
 #include "scene/image_quality.h"
 #include "scene/scene_folder_for_tests.h"
+#include "scene/segment_file.h"
 
 namespace aligngs {
 namespace {
@@ -38,6 +39,47 @@ void write_depth(const fs::path& folder, const std::string& name, float (*value)
 TEST(CheckScene, AGoodSceneHasNoProblem) {
   for (const SceneProblem& p : problems_of(write_scene()))
     ADD_FAILURE() << p.path << " " << p.field << " " << p.message;
+}
+
+/// Segments of half a view: one chair.
+void write_chair(const fs::path& folder, const std::string& view, uint16_t label = 2) {
+  fs::create_directories(folder / "segments");
+  SegmentMap map{kWidth, kHeight, std::vector<uint16_t>(size_t(kWidth) * kHeight, SegmentMap::kNone), {{label, 0}}};
+  std::fill_n(map.of_pixel.begin(), map.of_pixel.size() / 2, uint16_t(0));
+  write_segments(folder / "segments" / (view + ".png"), map);
+}
+
+TEST(CheckScene, SegmentsOfEveryTrainingViewAreFine) {
+  const fs::path folder = write_scene();
+  write_chair(folder, "v0");
+  write_chair(folder, "v1");
+  EXPECT_TRUE(problems_of(folder).empty());
+  EXPECT_TRUE(has_segments(open_scene(folder)));
+}
+
+TEST(CheckScene, SegmentsOfSomeViewsAreNotUsedAndLeaveNoViewOut) {
+  const fs::path folder = write_scene();
+  write_chair(folder, "v0");
+  const auto problems = of_file(problems_of(folder), "segments");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+  EXPECT_FALSE(has_segments(open_scene(folder)));
+}
+
+TEST(CheckScene, ASegmentOfAClassThatTheLabelSetHasNotIsFound) {
+  const fs::path folder = write_scene();
+  write_chair(folder, "v0", 3);
+  write_chair(folder, "v1");
+  const auto problems = of_file(problems_of(folder), "v0.png");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_TRUE(problems[0].fatal);
+}
+
+TEST(CheckScene, SegmentsOfAnotherAspectAreFound) {
+  const fs::path folder = write_scene();
+  write_chair(folder, "v0");
+  write_segments(folder / "segments" / "v1.png", {kWidth, kWidth, std::vector<uint16_t>(kWidth * kWidth, 0), {{2, 0}}});
+  EXPECT_EQ(of_file(problems_of(folder), "v1.png").size(), 1u);
 }
 
 TEST(CheckScene, EveryProblemIsListedOnce) {

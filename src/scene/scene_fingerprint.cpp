@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "scene/scene.h"
+#include "scene/segment_file.h"
 #include "scene/sha256.h"
 
 namespace aligngs {
@@ -55,6 +56,7 @@ std::string scene_fingerprint(const Scene& scene) {
       for (int k = 0; k < 3; ++k) digest.add(static_cast<double>(view.log_gain[k]));
     }
     for (const auto* path : {&view.image, &view.prior_depth, &view.semantics}) digest.add_file(*path);
+    if (const auto file = segment_file_of(scene, view); std::filesystem::is_regular_file(file)) digest.add_file(file);
   }
   for (const std::vector<int>* list : {&scene.train, &scene.test}) {
     digest.add(static_cast<uint64_t>(list->size()));

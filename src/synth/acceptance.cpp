@@ -42,6 +42,10 @@ std::string AcceptanceReport::table() const {
         "  (these include outdoor scenes and failures; the level keeps the ratios to VGGT-1B)\n",
         published->network, published->auc_30, published->abs_rel);
   }
+  if (published_panoptic_quality) {
+    out += fmt::format("  published for EoMT-L panoptic 640 on ADE20K: panoptic quality {:.3f}\n",
+                       *published_panoptic_quality);
+  }
   return out;
 }
 
@@ -50,6 +54,7 @@ AcceptanceReport mean_acceptance(const std::vector<AcceptanceReport>& reports) {
   if (reports.empty()) return mean;
   mean.teacher = reports[0].teacher;
   mean.published = reports[0].published;
+  mean.published_panoptic_quality = reports[0].published_panoptic_quality;
   for (AcceptanceFigure figure : reports[0].figures) {
     double sum = 0;
     size_t found = 0;
@@ -69,6 +74,9 @@ AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool) {
   AcceptanceReport report;
   const SynthOptions& o = scene.options;
   report.teacher = geometry_teacher_name(o) + ", " + semantic_teacher_name(o);
+  if (const std::string segments = segment_teacher_name(o); !segments.empty()) report.teacher += ", " + segments;
+  if (o.segments == SegmentTeacher::kTeacher && o.teacher == TeacherKind::kSimulated)
+    report.published_panoptic_quality = kEomtPanopticQuality;
   const bool sensor = o.depth_teacher == DepthTeacher::kSensor;
   const bool ranges = o.teacher == TeacherKind::kSimulated && o.level == TeacherLevel::kMedium && !sensor;
   if (o.teacher == TeacherKind::kSimulated && !sensor) report.published = published_geometry(o.level);
@@ -100,6 +108,7 @@ AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool) {
   add("semantic mIoU", semantic.miou, "", 0.52, 0.62);
   add("semantic edge-band accuracy", semantic.edge_accuracy, "", 0.55, 0.70);
   add("wrong pixels wrong in most views", semantic.persistent_share, "", 0.60);
+  if (o.segments != SegmentTeacher::kNone) add("panoptic quality", measure_panoptic(scene), "", 0.45, 0.56);
   const CoverageFigures coverage = measure_coverage(scene, pool);
   add("bare surface share", scene.bare_share, "", 0.30, {}, true);
   add("test pixels seen in training", coverage.test_seen, "", kSeenShare, {}, true);

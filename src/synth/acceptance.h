@@ -18,9 +18,13 @@ struct AcceptanceFigure {
   bool accepted() const { return (!low || value >= *low) && (!high || value <= *high); }
 };
 
+/// On the validation photos of ADE20K, by the publisher: 50.6.
+inline constexpr double kEomtPanopticQuality = 0.506;
+
 struct AcceptanceReport {
-  std::string teacher;                         ///< e.g. "simulated feed-forward (medium)"
-  std::optional<PublishedGeometry> published;  ///< of the network that the level imitates
+  std::string teacher;                               ///< e.g. "simulated feed-forward (medium)"
+  std::optional<PublishedGeometry> published;        ///< of the network that the level imitates
+  std::optional<double> published_panoptic_quality;  ///< of the network that gives the segments; nothing without any
   std::vector<AcceptanceFigure> figures;
   bool accepted() const;  ///< every figure with a range is inside it
   /// The figure's value; throws Error{kFailed} when there is none of that name.
@@ -44,6 +48,7 @@ AcceptanceReport mean_acceptance(const std::vector<AcceptanceReport>& reports);
 /// - mono depth: RMSE (m) and Pearson correlation, per view, mean;
 /// - semantics: pixel accuracy, mIoU of classes with >= 0.1 % of the pixels, accuracy within 3 px of a label edge. Also
 ///   the share of wrong pixels that are wrong in most views that see the point;
+/// - segments: panoptic quality (teacher_panoptic.h) of all views;
 /// - the room: share of bare surface, of far test pixels that training saw, of surface seen twice.
 /// Ranges are given for the medium level of the simulated teacher only. Deterministic.
 AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool);

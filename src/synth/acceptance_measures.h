@@ -33,6 +33,9 @@ struct SemanticFigures {
 };
 SemanticFigures measure_semantics(const SynthScene& scene, ThreadPool& pool);
 
+/// Panoptic quality of the segments of all views.
+double measure_panoptic(const SynthScene& scene);
+
 struct CoverageFigures {
   double test_seen = 1;   ///< of all test pixels with a surface, the smallest of all test views
   double seen_twice = 0;  ///< of the pixels of training views: seen by another training view as well

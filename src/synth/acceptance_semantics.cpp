@@ -116,6 +116,15 @@ SemanticFigures measure_semantics(const SynthScene& scene, ThreadPool& pool) {
   return f;
 }
 
+double measure_panoptic(const SynthScene& scene) {
+  std::vector<SegmentMap> truth, said;
+  for (const SynthView& view : scene.views) {
+    truth.push_back(exact_segments(view.truth));
+    said.push_back(view.segments);
+  }
+  return panoptic_quality(truth, said);
+}
+
 CoverageFigures measure_coverage(const SynthScene& scene, ThreadPool& pool) {
   const size_t n = scene.views.size();
   std::vector<double> share(n, 0);

@@ -14,6 +14,7 @@ TEST(AcceptanceRanges, TheDefaultBedroomsAreInsideThem) {
     options.seed = seed;
     options.degrade_images = options.shadows = false;  // teachers see geometry and labels, not the light
     options.samples_per_side = 1;
+    options.segments = SegmentTeacher::kTeacher;
     reports.push_back(measure_acceptance(make_synth_scene(options, pool), pool));
     // A single scene may lie outside in a figure or two: the ranges are those of the mean over many rooms.
     int outside = 0;

@@ -54,6 +54,7 @@ PriorsJson priors_of(const SynthScene& scene) {
   }
   priors.semantics = PriorJson{semantic_teacher_name(o), "", {}};
   priors.kind = SemanticKind::kScores;
+  if (o.segments != SegmentTeacher::kNone) priors.semantics->settings["segments"] = segment_teacher_name(o);
   if (!exact) {
     priors.semantics->settings["outline_rms_px"] = number(s.outline_rms);
     priors.semantics->settings["confused_share"] = number(s.confused_share);
@@ -85,6 +86,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
                        const std::vector<RemovalTruth>& removals) {
   const SynthOptions& o = scene.options;
   SceneWriter writer(folder, overwrite);
+  if (o.segments != SegmentTeacher::kNone) std::filesystem::create_directories(writer.folder() / "segments");
   SceneParts parts;
   parts.split.train.emplace();
   parts.split.test.emplace();
@@ -100,6 +102,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
     v.truth_labels = view.truth.labels;
     v.truth_camera = view.truth.camera;
     writer.add_view(v);
+    if (!view.segments.empty()) write_segments(writer.folder() / "segments" / (view.name + ".png"), view.segments);
     (view.role == ViewRole::kTraining ? parts.split.train : parts.split.test)->push_back(view.name);
   }
   const bool arbitrary = o.unknown_similarity && o.teacher == TeacherKind::kSimulated;

@@ -137,6 +137,32 @@ std::string semantic_teacher_name(const SynthOptions& o) {
                                           : fmt::format("simulated Mask2Former ({})", teacher_level_name(o.level));
 }
 
+std::string segment_teacher_name(const SynthOptions& o) {
+  if (o.segments == SegmentTeacher::kNone) return "";
+  return o.segments == SegmentTeacher::kTrue || o.teacher == TeacherKind::kExact
+             ? "exact"
+             : fmt::format("simulated EoMT panoptic ({})", teacher_level_name(o.level));
+}
+
+namespace {
+
+/// Segments of all views; nothing without a teacher of them. `random`: of the semantic teacher, whose confusions are
+/// also those of its segments.
+std::vector<SegmentMap> segments_of(const SynthOptions& o, const std::vector<RenderedView>& views,
+                                    const RoomModel& room, const Random& random, ThreadPool& pool) {
+  std::vector<SegmentMap> out(views.size());
+  if (o.segments == SegmentTeacher::kNone) return out;
+  if (o.segments == SegmentTeacher::kTeacher && o.teacher == TeacherKind::kSimulated) {
+    const SemanticTeacherSettings semantic = semantic_teacher_settings(o.level);
+    return simulate_panoptic_teacher(views, room, draw_object_confusions(views, room, semantic, random.fork(1)),
+                                     panoptic_teacher_settings(o.level), semantic, random.fork(2), pool);
+  }
+  for (size_t i = 0; i < views.size(); ++i) out[i] = exact_segments(views[i]);
+  return out;
+}
+
+}  // namespace
+
 SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const SynthProgress& progress) {
   check_options(options);
   const auto report = [&](double share, const char* what) {
@@ -195,6 +221,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
           : simulate_semantic_teacher(rendered, scene.room, semantic_teacher_settings(options.level),
                                       options.semantic_scale, teacher_base.fork(2), pool);
   apply_label_control(options.labels, scores, teacher_base.fork(5));
+  std::vector<SegmentMap> segments = segments_of(options, rendered, scene.room, teacher_base.fork(2), pool);
 
   report(0.95, "developing the pictures");
   scene.views.resize(plan.size());
@@ -207,6 +234,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
       view.role = plan[i].role;
       view.teacher = std::move(geometry.views[i]);
       view.scores = std::move(scores[i]);
+      view.segments = std::move(segments[i]);
       if (!exact) view.mono_depth = simulate_mono_depth(rendered[i], i, mono, mono_random);
       view.image = photo_of(options, i, rendered[i].color);
       view.truth = std::move(rendered[i]);

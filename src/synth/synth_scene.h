@@ -15,6 +15,7 @@
 #include "synth/rooms.h"
 #include "synth/shading.h"
 #include "synth/teacher_geometry.h"
+#include "synth/teacher_panoptic.h"
 #include "synth/teacher_semantic.h"
 #include "synth/trajectory.h"
 
@@ -24,6 +25,8 @@ enum class TeacherKind { kExact, kSimulated };
 enum class CloudTeacher { kFeedForward, kSfm };  ///< where sparse/points3D comes from
 /// Who fills pred_depths/. kSensor also replaces the cameras by those of a phone's tracker.
 enum class DepthTeacher { kFeedForward, kMono, kSensor };
+/// Who fills segments/; kNone leaves the folder out.
+enum class SegmentTeacher { kNone, kTeacher, kTrue };
 /// How a camera exposes: each photo by itself, or an automatic exposure that drifts along the walk.
 enum class ExposureKind { kPerPhoto, kWalk };
 
@@ -39,6 +42,7 @@ struct SynthOptions {
   DepthTeacher depth_teacher = DepthTeacher::kFeedForward;
   CloudTeacher cloud = CloudTeacher::kFeedForward;
   LabelTeacher labels = LabelTeacher::kTeacher;
+  SegmentTeacher segments = SegmentTeacher::kNone;
   bool unknown_similarity = false;  ///< teacher's world with unknown scale and rotation, as a real network's
   bool degrade_images = true;       ///< noise, blur, exposure, white balance, JPEG
   ExposureKind exposure = ExposureKind::kPerPhoto;
@@ -58,6 +62,7 @@ struct SynthView {
   TeacherView teacher;   ///< camera, depth and confidence of the (simulated) reconstruction network
   ImageF mono_depth;     ///< of the simulated single-image network; empty with exact teachers
   ScoreMap scores;
+  SegmentMap segments;  ///< empty without a teacher of them
 };
 
 struct SynthScene {
@@ -104,5 +109,7 @@ uint64_t estimate_scene_bytes(const SynthOptions& options);
 std::string geometry_teacher_name(const SynthOptions& options);
 std::string depth_teacher_name(const SynthOptions& options);
 std::string semantic_teacher_name(const SynthOptions& options);
+/// "simulated EoMT panoptic (medium)"; empty without one.
+std::string segment_teacher_name(const SynthOptions& options);
 
 }  // namespace aligngs

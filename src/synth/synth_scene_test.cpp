@@ -258,6 +258,31 @@ TEST(SynthFolder, OpensAsASceneWithEverythingInPlace) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(SynthFolder, SegmentsAreWrittenWhenAskedFor) {
+  SynthOptions options = small_options();
+  options.segments = SegmentTeacher::kTeacher;
+  ThreadPool pool(2);
+  const SynthScene made = make_synth_scene(options, pool);
+  EXPECT_EQ(made.views[0].scores.values, small_scene().views[0].scores.values) << "the labels stay as they are";
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "synth_segments";
+  write_synth_scene(made, folder, true);
+  const Scene scene = open_scene(folder);
+  EXPECT_TRUE(has_segments(scene));
+  EXPECT_EQ(read_segments(segment_file_of(scene, scene.views[0]), scene.labels.size()).of_pixel,
+            made.views[0].segments.of_pixel);
+  const AcceptanceReport report = measure_acceptance(made, pool);
+  EXPECT_GT(report.value("panoptic quality"), 0.1);
+  EXPECT_NE(report.table().find("0.506"), std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(SynthFolder, TrueSegmentsHaveNoError) {
+  SynthOptions options = small_options();
+  options.segments = SegmentTeacher::kTrue;
+  ThreadPool pool(2);
+  EXPECT_DOUBLE_EQ(measure_acceptance(make_synth_scene(options, pool), pool).value("panoptic quality"), 1);
+}
+
 TEST(SynthFolder, ADefaultSceneStaysBelow200Megabytes) { EXPECT_LT(estimate_scene_bytes({}), 200000000u); }
 
 TEST(Acceptance, AnExactTeacherHasNoErrors) {

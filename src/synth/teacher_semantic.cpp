@@ -9,209 +9,17 @@
 #include "scene/triangle_mesh.h"
 #include "synth/class_confusions.h"
 #include "synth/noise.h"
+#include "synth/teacher_regions.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kOutlineLength = 20;  // correlation length of outline errors, image pixels
-constexpr double kMaskSoftness = 2;    // m_q = sigmoid(signed distance / 2 px), image pixels
-constexpr int kStride = 4;             // of the network's mask features, image pixels
-constexpr double kReach = 14;          // masks are below 0.1 % this far outside, image pixels
 constexpr double kUnknown = 0.3;       // score sum below which a pixel counts as unknown
 constexpr double kSmallShare = 0.015;  // of the image: objects below are missed more often
 constexpr double kLargeShare = 0.06;   // of the image: objects above are hardly ever missed
 
-/// Content of one query: an object, or all surface of one stuff class.
-struct Region {
-  uint16_t label = 0;
-  int key = 0;                // object index, or -1 - label for stuff
-  std::vector<uint8_t> mask;  // per image pixel
-  int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;
-  size_t pixels = 0;
-  double depth_sum = 0;
-  size_t border = 0;  // pixels on the border of the image
-};
-
-std::vector<Region> regions_of(const RenderedView& view) {
-  const int w = view.labels.width, h = view.labels.height;
-  std::map<int, Region> found;
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      const uint16_t label = view.labels.at(x, y);
-      if (label == kNoLabel) continue;
-      const int key = is_stuff(label) ? -1 - static_cast<int>(label) : static_cast<int>(view.instances.at(x, y));
-      Region& r = found[key];
-      if (r.mask.empty()) r.mask.assign(view.labels.pixels(), 0);
-      r.label = label;
-      r.key = key;
-      r.mask[static_cast<size_t>(y) * w + x] = 1;
-      r.x0 = std::min(r.x0, x), r.x1 = std::max(r.x1, x), r.y0 = std::min(r.y0, y), r.y1 = std::max(r.y1, y);
-      ++r.pixels;
-      r.depth_sum += view.depth.at(x, y);
-      r.border += x == 0 || y == 0 || x == w - 1 || y == h - 1 ? 1 : 0;
-    }
-  }
-  std::vector<Region> out;
-  for (auto& [key, region] : found) out.push_back(std::move(region));
-  return out;
-}
-
-/// One-dimensional squared distance transform (Felzenszwalb and Huttenlocher 2012), in place with a stride.
-void distance_pass(float* f, int n, int stride, std::vector<float>& out, std::vector<int>& v, std::vector<float>& z) {
-  out.resize(static_cast<size_t>(n));
-  v.resize(static_cast<size_t>(n));
-  z.resize(static_cast<size_t>(n) + 1);
-  const auto at = [&](int i) { return f[static_cast<size_t>(i) * stride]; };
-  int k = 0;
-  v[0] = 0;
-  z[0] = -1e20f;
-  z[1] = 1e20f;
-  for (int q = 1; q < n; ++q) {
-    float s = 0;
-    while (true) {
-      const int p = v[k];
-      s = ((at(q) + static_cast<float>(q * q)) - (at(p) + static_cast<float>(p * p))) / static_cast<float>(2 * (q - p));
-      if (s > z[k]) break;
-      --k;
-    }
-    v[++k] = q;
-    z[k] = s;
-    z[k + 1] = 1e20f;
-  }
-  k = 0;
-  for (int q = 0; q < n; ++q) {
-    while (z[k + 1] < static_cast<float>(q)) ++k;
-    out[q] = static_cast<float>((q - v[k]) * (q - v[k])) + at(v[k]);
-  }
-  for (int q = 0; q < n; ++q) f[static_cast<size_t>(q) * stride] = out[q];
-}
-
-void squared_distance(ImageF& f) {
-  std::vector<float> out, z;
-  std::vector<int> v;
-  for (int y = 0; y < f.height; ++y) distance_pass(&f.at(0, y), f.width, 1, out, v, z);
-  for (int x = 0; x < f.width; ++x) distance_pass(&f.at(x, 0), f.height, f.width, out, v, z);
-}
-
-/// m_q on the output grid inside a window around the region; elsewhere it is negligible.
-struct SoftMask {
-  int x0 = 0, y0 = 0;
-  ImageF value;
-};
-
-SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, double outline_rms, Random& random) {
-  // The outline is displaced by a smooth random field ...
-  const int columns = std::max(1, static_cast<int>(w / kOutlineLength)),
-            rows = std::max(1, static_cast<int>(h / kOutlineLength));
-  const double rms = outline_rms / std::sqrt(2.0);  // of each component
-  const ImageF dx = smooth_random_map(w, h, columns, rows, rms, random);
-  const ImageF dy = smooth_random_map(w, h, columns, rows, rms, random);
-  // ... and drawn on the network's coarse grid.
-  const int cw = (w + kStride - 1) / kStride, ch = (h + kStride - 1) / kStride;
-  ImageF coarse(cw, ch, 1);
-  for (int j = 0; j < ch; ++j) {
-    for (int i = 0; i < cw; ++i) {
-      float sum = 0;
-      for (int k = 0; k < 4; ++k) {
-        const int x = std::min(w - 1, i * kStride + 1 + 2 * (k % 2)),
-                  y = std::min(h - 1, j * kStride + 1 + 2 * (k / 2));
-        const int sx = std::clamp(static_cast<int>(std::lround(x + dx.at(x, y))), 0, w - 1);
-        const int sy = std::clamp(static_cast<int>(std::lround(y + dy.at(x, y))), 0, h - 1);
-        sum += region.mask[static_cast<size_t>(sy) * w + sx];
-      }
-      coarse.at(i, j) = sum / 4;
-    }
-  }
-  const double scale = static_cast<double>(w) / out_w, margin = kReach + 3 * outline_rms;
-  SoftMask m;
-  m.x0 = std::max(0, static_cast<int>((region.x0 - margin) / scale));
-  m.y0 = std::max(0, static_cast<int>((region.y0 - margin) / scale));
-  const int x1 = std::min(out_w, static_cast<int>((region.x1 + margin) / scale) + 2);
-  const int y1 = std::min(out_h, static_cast<int>((region.y1 + margin) / scale) + 2);
-  ImageF inside(std::max(1, x1 - m.x0), std::max(1, y1 - m.y0), 1), outside = inside;
-  ImageF level = inside;
-  for (int y = 0; y < inside.height; ++y) {
-    for (int x = 0; x < inside.width; ++x) {
-      const double u = std::clamp((m.x0 + x + 0.5) * scale / kStride - 0.5, 0.0, cw - 1.0);
-      const double v = std::clamp((m.y0 + y + 0.5) * scale / kStride - 0.5, 0.0, ch - 1.0);
-      const int i = std::min(static_cast<int>(u), std::max(0, cw - 2)),
-                j = std::min(static_cast<int>(v), std::max(0, ch - 2));
-      const int i1 = std::min(i + 1, cw - 1), j1 = std::min(j + 1, ch - 1);
-      const float a = static_cast<float>(u - i), b = static_cast<float>(v - j);
-      const float value = (coarse.at(i, j) * (1 - a) + coarse.at(i1, j) * a) * (1 - b) +
-                          (coarse.at(i, j1) * (1 - a) + coarse.at(i1, j1) * a) * b;
-      level.at(x, y) = value;
-      constexpr float kFar = 1e6f;
-      inside.at(x, y) = value > 0.5f ? kFar : 0.0f;
-      outside.at(x, y) = value > 0.5f ? 0.0f : kFar;
-    }
-  }
-  squared_distance(inside);
-  squared_distance(outside);
-  m.value = ImageF(inside.width, inside.height, 1);
-  for (size_t k = 0; k < m.value.data.size(); ++k) {
-    double signed_distance = inside.data[k] > 0 ? std::sqrt(inside.data[k]) - 0.5 : -(std::sqrt(outside.data[k]) - 0.5);
-    signed_distance = std::clamp(signed_distance + (level.data[k] - 0.5), -60.0, 60.0) * scale;
-    m.value.data[k] = static_cast<float>(1 / (1 + std::exp(-signed_distance / kMaskSoftness)));
-  }
-  return m;
-}
-
-/// Draws which objects are confused. One draw in some hundred gives all large pieces or none. The kept draw has the
-/// confused share nearest to the expected one, of the pixels of things as well as of their classes. Every scene hence
-/// has a teacher of the same quality.
-std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
-                                             const SemanticTeacherSettings& s, Random random) {
-  constexpr int kDraws = 256;
-  constexpr double kLargeAreClearer = 0.8;  // confused share of the pixels over that of the objects
-  constexpr double kPresent = 1e-3;         // share of the pixels from which a class counts, as in the acceptance check
-  std::vector<double> pixels(room.objects.size(), 0);
-  std::map<uint16_t, double> class_pixels;
-  double things = 0, all = 0;
-  for (const RenderedView& view : views) {
-    for (size_t i = 0; i < view.instances.data.size(); ++i) {
-      const uint16_t object = view.instances.data[i];
-      if (object >= room.objects.size()) continue;
-      all += 1;
-      const uint16_t label = room.objects[object].label;
-      if (is_stuff(label)) continue;
-      pixels[object] += 1;
-      class_pixels[label] += 1;
-      things += 1;
-    }
-  }
-  std::vector<ObjectConfusion> best(room.objects.size());
-  double best_error = 1e9;
-  for (int attempt = 0; attempt < kDraws && things > 0; ++attempt) {
-    std::vector<ObjectConfusion> draw(room.objects.size());
-    double share = 0, class_share = 0, classes = 0;
-    std::map<uint16_t, double> confused_pixels;
-    for (size_t i = 0; i < draw.size(); ++i) {
-      const std::vector<uint16_t> others = confusable_classes(room.objects[i].label);
-      if (others.empty()) continue;
-      const bool confused = random.chance(s.confused_share), ambiguous = random.chance(0.4);
-      // The likeliest confusion half of the time, the others share the rest.
-      const size_t other = random.chance(0.5) ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
-      if (!confused) continue;
-      draw[i] = {true, ambiguous, others[other]};
-      share += pixels[i] / things;
-      confused_pixels[room.objects[i].label] += pixels[i];
-    }
-    for (const auto& [label, count] : class_pixels) {
-      if (count < kPresent * all) continue;
-      class_share += confused_pixels[label] / count;
-      classes += 1;
-    }
-    if (classes > 0) class_share /= classes;
-    const double error =
-        std::fabs(share - kLargeAreClearer * s.confused_share) + std::fabs(class_share - s.confused_share);
-    if (error < best_error) best_error = error, best = std::move(draw);
-  }
-  return best;
-}
-
 /// p_q: the classes of a query, with their scores.
-std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, const RenderedView& view,
+std::vector<std::pair<uint16_t, double>> class_scores(const QueryRegion& region, const RenderedView& view,
                                                       const std::vector<ObjectConfusion>& confusions,
                                                       const SemanticTeacherSettings& s, bool duplicate,
                                                       Random& random) {
@@ -269,7 +77,7 @@ ScoreMap one_view(const RenderedView& view, const std::vector<ObjectConfusion>& 
     }
   };
   ImageF strongest(out_w, out_h, 1);  // the best mask: low along borders between objects
-  for (const Region& region : regions_of(view)) {
+  for (const QueryRegion& region : query_regions(view)) {
     Random own = random.fork(static_cast<uint64_t>(region.key + 1000));
     const bool small = static_cast<double>(region.pixels) < kSmallShare * static_cast<double>(view.labels.pixels());
     const bool stuff = region.key < 0;
@@ -316,6 +124,56 @@ void scaled_size(const RenderedView& view, double scale, int& w, int& h) {
 
 }  // namespace
 
+std::vector<ObjectConfusion> draw_object_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
+                                                    const SemanticTeacherSettings& s, Random random) {
+  constexpr int kDraws = 256;
+  constexpr double kLargeAreClearer = 0.8;  // confused share of the pixels over that of the objects
+  constexpr double kPresent = 1e-3;         // share of the pixels from which a class counts, as in the acceptance check
+  std::vector<double> pixels(room.objects.size(), 0);
+  std::map<uint16_t, double> class_pixels;
+  double things = 0, all = 0;
+  for (const RenderedView& view : views) {
+    for (size_t i = 0; i < view.instances.data.size(); ++i) {
+      const uint16_t object = view.instances.data[i];
+      if (object >= room.objects.size()) continue;
+      all += 1;
+      const uint16_t label = room.objects[object].label;
+      if (is_stuff(label)) continue;
+      pixels[object] += 1;
+      class_pixels[label] += 1;
+      things += 1;
+    }
+  }
+  std::vector<ObjectConfusion> best(room.objects.size());
+  double best_error = 1e9;
+  for (int attempt = 0; attempt < kDraws && things > 0; ++attempt) {
+    std::vector<ObjectConfusion> draw(room.objects.size());
+    double share = 0, class_share = 0, classes = 0;
+    std::map<uint16_t, double> confused_pixels;
+    for (size_t i = 0; i < draw.size(); ++i) {
+      const std::vector<uint16_t> others = confusable_classes(room.objects[i].label);
+      if (others.empty()) continue;
+      const bool confused = random.chance(s.confused_share), ambiguous = random.chance(0.4);
+      // The likeliest confusion half of the time, the others share the rest.
+      const size_t other = random.chance(0.5) ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
+      if (!confused) continue;
+      draw[i] = {true, ambiguous, others[other]};
+      share += pixels[i] / things;
+      confused_pixels[room.objects[i].label] += pixels[i];
+    }
+    for (const auto& [label, count] : class_pixels) {
+      if (count < kPresent * all) continue;
+      class_share += confused_pixels[label] / count;
+      classes += 1;
+    }
+    if (classes > 0) class_share /= classes;
+    const double error =
+        std::fabs(share - kLargeAreClearer * s.confused_share) + std::fabs(class_share - s.confused_share);
+    if (error < best_error) best_error = error, best = std::move(draw);
+  }
+  return best;
+}
+
 SemanticTeacherSettings semantic_teacher_settings(TeacherLevel level) {
   SemanticTeacherSettings s;
   const bool low = level == TeacherLevel::kLow, high = level == TeacherLevel::kHigh;
@@ -331,7 +189,7 @@ float ScoreMap::score(int channel, int x, int y) const {
 std::vector<ScoreMap> simulate_semantic_teacher(const std::vector<RenderedView>& views, const RoomModel& room,
                                                 const SemanticTeacherSettings& settings, double scale, Random random,
                                                 ThreadPool& pool) {
-  const std::vector<ObjectConfusion> confusions = draw_confusions(views, room, settings, random.fork(1));
+  const std::vector<ObjectConfusion> confusions = draw_object_confusions(views, room, settings, random.fork(1));
   std::vector<ScoreMap> out(views.size());
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

@@ -37,6 +37,12 @@ struct ObjectConfusion {
   uint16_t other = 0;      ///< the class it is taken for
 };
 
+/// Draws which objects are confused. One draw in some hundred gives all large pieces or none. The kept draw has the
+/// confused share nearest to the expected one, of the pixels of things as well as of their classes. Every scene hence
+/// has a teacher of the same quality.
+std::vector<ObjectConfusion> draw_object_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
+                                                    const SemanticTeacherSettings& settings, Random random);
+
 /// Simulates the network on exact views, at `scale` times their size. Objects are those of `room`.
 std::vector<ScoreMap> simulate_semantic_teacher(const std::vector<RenderedView>& views, const RoomModel& room,
                                                 const SemanticTeacherSettings& settings, double scale, Random random,

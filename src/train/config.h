@@ -103,6 +103,7 @@ struct SemanticConfig {
   double drawn_sharpness = 0;
   /// and what the objects are called is decided by the photos' votes (train/photo_labels.h)
   bool object_labels = false;
+  bool object_votes = false;  ///< objects by the photos' segments where there are any (train/voted_objects.h)
   int64_t active_top = 0;  ///< classes never among a teacher's so many best share one channel; 0 = every class its own
 };
 

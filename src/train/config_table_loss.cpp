@@ -87,6 +87,9 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"semantic.object_labels", field<&C::semantic, &S::object_labels>, 0, 0, value(true),
        "after training the photos vote for the labels of whole objects, so small objects keep their names; off, "
        "or semantic.blend = \"logits\": each Gaussian for itself"},
+      {"semantic.object_votes", field<&C::semantic, &S::object_votes>, 0, 0, value(true),
+       "with segments/ of every training photo, they vote for what is one object; off, or without segments: what "
+       "touches is one"},
       {"semantic.active_top", field<&C::semantic, &S::active_top>, 0, 65535, value(2),
        "classes outside this many best ones of every view's teacher train as one remainder; 0 = every class alone"},
   };

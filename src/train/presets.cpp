@@ -73,6 +73,7 @@ PresetChanges paper_changes() {
               {"semantic.lift", value(false)},
               {"semantic.drawn_sharpness", value(0.0)},
               {"semantic.object_labels", value(false)},
+              {"semantic.object_votes", value(false)},
               {"semantic.active_top", value(0)},
               {"densify.start", value(500)},
               {"densify.stop", value(7000)},

@@ -31,7 +31,7 @@ bool holds_captured_data(const fs::path& folder) {
   const std::string name = folder.string();
   if (name.starts_with("images") || name.starts_with("depth") || name.starts_with("seq-")) return true;
   return is_one_of(name, {"sparse", "colmap", "poses", "pose", "color", "rgb", "intrinsic", "results", "keyframes",
-                          "masks", "pred_depths", "pred_confidence", "segmentation_logits", "truth"});
+                          "masks", "pred_depths", "pred_confidence", "segmentation_logits", "segments", "truth"});
 }
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {

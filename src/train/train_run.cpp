@@ -29,6 +29,7 @@
 #include "train/scene_maintenance.h"
 #include "train/start_model.h"
 #include "train/trainer.h"
+#include "train/voted_objects.h"
 
 namespace aligngs {
 namespace {
@@ -313,7 +314,11 @@ TrainResult Run::train() {
   GaussianModel model;
   engine->store(model);
   GaussianLabels labels;
-  if (model.semantic_channels > 0) labels = object_labels(model, scene_.labels, robust_extent(scene_), *pool_).labels;
+  if (model.semantic_channels > 0) {
+    labels = best_labels(smoothed_labels(model, robust_extent(scene_), *pool_), scene_.labels);
+    const size_t objects = number_objects(model, scene_, config_, labels, *pool_).size();
+    if (votes_for_objects(scene_, config_)) log_info("{} objects by votes of the photos' segments", objects);
+  }
   write_scene_files(folder_.path(), model, scene_.labels, labels);
   record_.trained = utc_now();
   record_end("done", "all iterations done");

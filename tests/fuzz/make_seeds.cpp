@@ -9,6 +9,7 @@
 #include "io/zip_writer.h"
 #include "room/room_json.h"
 #include "room/sample_room_for_tests.h"
+#include "scene/segment_file.h"
 #include "split_input.h"
 
 namespace aligngs {
@@ -39,6 +40,8 @@ void make_seeds(const std::filesystem::path& out) {
   seed("fuzz_image", "rgba.png", valid::text_of(encode_png(valid::picture(4))));
   seed("fuzz_gray_png", "16bit", valid::gray_png16(scratch));
   seed("fuzz_gray_png", "8bit", valid::text_of(encode_png(valid::picture(1))));
+  write_segments(scratch / "segments.png", {3, 1, {0, 1, SegmentMap::kNone}, {{0, Segment::kStuff}, {19, 2}}});
+  seed("fuzz_segments", "chair", read_file(scratch / "segments.png"));
   seed("fuzz_toml", "settings", valid::toml());
   const valid::ColmapFiles binary = valid::colmap(scratch), text = valid::colmap_text();
   seed("fuzz_colmap", "model", join_input(binary.cameras, binary.images, binary.points));

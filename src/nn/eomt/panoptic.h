@@ -4,11 +4,9 @@
 #include <vector>
 
 #include "nn/eomt/semantic.h"
+#include "scene/stuff_classes.h"
 
 namespace aligngs::nn {
-
-/// ADE20K's classes that are no single things: wall, floor, ceiling and others.
-const std::vector<int>& ade20k_stuff_classes();
 
 struct PanopticOptions {
   double class_threshold = 0.8;    ///< a query counts when its best class has a larger share
