@@ -18,7 +18,14 @@ if [ -z "$program" ]; then
   exit 3
 fi
 if [ $# -gt 0 ]; then
-  files=("$@")
+  files=()
+  for file in "$@"; do
+    case "$file" in
+      *.cpp | *.h | *.cu | *.cuh) files+=("$file") ;;
+      *) echo "format.sh: $file is no C++ source: left as it is" >&2 ;;
+    esac
+  done
+  [ ${#files[@]} -gt 0 ] || exit 0
 else
   mapfile -t files < <(git ls-files '*.cpp' '*.h' '*.cu' '*.cuh')
 fi

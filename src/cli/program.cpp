@@ -21,6 +21,7 @@
 #include "core/shell_word.h"
 #include "core/stop_signal.h"
 #include "core/version.h"
+#include "io/file_system_error.h"
 
 namespace aligngs {
 namespace {
@@ -190,8 +191,7 @@ int run_program(int argc, char** argv) {
              "(--set densify.max_gaussians=100000, --set data.scale=0.5)"}),
         context.global.json);
   } catch (const std::filesystem::filesystem_error& error) {
-    return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}),
-                        context.global.json);
+    return report_error(error_of(error), context.global.json);
   } catch (const nlohmann::json::exception& error) {
     return report_error(Error({ErrorKind::kBadInput,
                                std::string("a JSON file does not have the expected form: ") + error.what(),

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/file_system_error.h"
 #include "io/output_place.h"
 #include "io/waiting_file.h"
 
@@ -23,23 +24,6 @@ namespace {
 constexpr size_t kBufferBytes = size_t(1) << 20;  // 1 MiB: few system calls, little memory
 
 std::string system_message(int code) { return std::strerror(code); }
-
-const char* remedy_for(int code) {
-  switch (code) {
-    case ENOSPC:
-    case EDQUOT:
-    case EFBIG:
-      return "free disk space or write elsewhere";
-    case ENAMETOOLONG:
-      return "use a shorter name";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "choose a folder you may write to";
-    default:
-      return "check the folder and the disk";
-  }
-}
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
@@ -62,7 +46,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   std::filesystem::create_directories(folder_of(path_), error);
   if (error) {
     throw_resources(path_, "cannot create the folder " + folder_of(path_).string() + ": " + error.message(),
-                    remedy_for(error.value()));
+                    remedy_for_write(error.value()));
   }
   temporary_ = temporary_beside(path_, ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
   note_temporary_path(temporary_);
@@ -70,7 +54,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   if (descriptor_ < 0) {
     const int code = errno;
     forget_temporary_path(temporary_);
-    throw_resources(path_, "cannot create the file: " + system_message(code), remedy_for(code));
+    throw_resources(path_, "cannot create the file: " + system_message(code), remedy_for_write(code));
   }
 }
 
@@ -88,7 +72,7 @@ void AtomicFile::flush() {
     if (written < 0) {
       if (errno == EINTR) continue;
       const int code = errno;
-      throw_resources(path_, "cannot write: " + system_message(code), remedy_for(code));
+      throw_resources(path_, "cannot write: " + system_message(code), remedy_for_write(code));
     }
     done += static_cast<size_t>(written);
   }
@@ -118,7 +102,7 @@ void AtomicFile::commit() {
     else
       forget_temporary_path(temporary_);
   }
-  if (code != 0) throw_resources(path_, "cannot finish the file: " + system_message(code), remedy_for(code));
+  if (code != 0) throw_resources(path_, "cannot finish the file: " + system_message(code), remedy_for_write(code));
   temporary_.clear();
   sync_folder(folder_of(path_));
 }

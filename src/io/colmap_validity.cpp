@@ -96,7 +96,12 @@ void leave_out_invalid(ColmapModel& model, const fs::path& cameras, const fs::pa
     });
   }
   model.images = std::move(good);
-  model.points_left_out = std::erase_if(model.points, [](const ColmapPoint& point) { return !finite(point.position); });
+  // Beyond it, lengths overflow in single precision.
+  constexpr double kFarthest = 1e18;
+  model.points_left_out = std::erase_if(model.points, [](const ColmapPoint& point) {
+    const Vec3d& p = point.position;
+    return !(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest);
+  });
 }
 
 }  // namespace aligngs

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/exif_orientation.h"
+#include "io/foreign_content.h"
 #include "io/heif_codec.h"
 #include "io/image_limits.h"
 #include "io/jpeg_codec.h"
@@ -19,7 +20,8 @@
 namespace aligngs {
 namespace {
 
-[[noreturn]] void refuse_format(const std::filesystem::path& name) {
+[[noreturn]] void refuse_format(std::string_view bytes, const std::filesystem::path& name) {
+  refuse_foreign_content(bytes, name);
   throw_bad_input(name, "", "neither a JPEG nor a PNG, WebP or HEIF", "convert the picture to JPEG or PNG");
 }
 
@@ -60,7 +62,7 @@ bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::pat
     case PictureFormat::kUnknown:
       break;
   }
-  refuse_format(name);
+  refuse_format(bytes, name);
 }
 
 template <class T>
@@ -149,7 +151,7 @@ Image<uint8_t> decode_stored_image(std::string_view bytes, const std::filesystem
     case PictureFormat::kUnknown:
       break;
   }
-  refuse_format(name_for_errors);
+  refuse_format(bytes, name_for_errors);
 }
 
 Image<uint8_t> read_stored_image(const std::filesystem::path& path) {

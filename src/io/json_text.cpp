@@ -1,5 +1,6 @@
 #include "io/json_text.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace aligngs {
@@ -61,5 +62,20 @@ std::string json_document(const nlohmann::json& value) { return text_of(value, k
 std::string json_document(const nlohmann::ordered_json& value) { return text_of(value, kIndentation) + "\n"; }
 nlohmann::json parse_json(std::string_view text) { return parsed<nlohmann::json>(text); }
 nlohmann::ordered_json parse_ordered_json(std::string_view text) { return parsed<nlohmann::ordered_json>(text); }
+
+std::string place_of_json_fault(std::string_view text) {
+  size_t end = text.size();
+  try {
+    const nlohmann::json value = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    if (error.byte > 0) end = std::min(end, error.byte - 1);  // counted from one
+  } catch (const nlohmann::json::exception&) {                // of it the parser tells no place
+    return "a number beyond all";
+  }
+  const std::string_view before = text.substr(0, end);
+  const size_t line = before.rfind('\n');
+  return "line " + std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ", column " +
+         std::to_string(line == before.npos ? end + 1 : end - line);
+}
 
 }  // namespace aligngs

@@ -22,4 +22,7 @@ std::string json_document(const nlohmann::ordered_json& value);
 nlohmann::json parse_json(std::string_view text);
 nlohmann::ordered_json parse_ordered_json(std::string_view text);  // objects keep the order of their members
 
+/// The first fault of a text that is no JSON: "line 3, column 5", or "a number beyond all".
+std::string place_of_json_fault(std::string_view text);
+
 }  // namespace aligngs

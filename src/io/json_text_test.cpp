@@ -34,6 +34,12 @@ TEST(JsonText, PythonsWordsForSuchNumbersAreTexts) {
   EXPECT_TRUE(parse_json("{NaN: 1}").is_discarded());
 }
 
+TEST(JsonText, TheFaultOfATextHasALineAndAColumn) {
+  EXPECT_EQ(place_of_json_fault("{\n \"a\": 1,\n}"), "line 3, column 1");
+  EXPECT_EQ(place_of_json_fault("// mine\n{}"), "line 1, column 1");
+  EXPECT_EQ(place_of_json_fault("{\"a\""), "line 1, column 5");
+}
+
 TEST(JsonText, WhatIsNoJsonIsDiscarded) {
   for (const char* text : {"", "{", "{\"a\":1} and more", "nul", "\"\xff\"", "[1,]"}) {
     EXPECT_TRUE(parse_json(text).is_discarded()) << text;

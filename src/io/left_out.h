@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "io/file_system_error.h"
 
 namespace aligngs {
 
@@ -33,7 +34,8 @@ void warn_left_out(size_t kept, const std::vector<LeftOut>& left_out, const char
 void require_enough(const std::filesystem::path& folder, size_t kept, const std::vector<LeftOut>& left_out,
                     size_t fewest, bool strict, const char* what = "frames");
 
-/// Runs `use`; an Error{kBadInput} of it leaves the frame out, any other goes on upwards.
+/// Runs `use`; an Error{kBadInput} of it, or a path that cannot be followed, leaves the frame out. Any other error goes on
+/// upwards.
 template <class Use>
 bool use_or_leave_out(const std::string& name, std::vector<LeftOut>& left_out, Use use) {
   try {
@@ -42,8 +44,12 @@ bool use_or_leave_out(const std::string& name, std::vector<LeftOut>& left_out, U
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     left_out.push_back(left_out_for(name, error));
-    return false;
+  } catch (const std::filesystem::filesystem_error& failed) {
+    const Error error = error_of(failed);
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    left_out.push_back(left_out_for(name, error));
   }
+  return false;
 }
 
 }  // namespace aligngs

@@ -13,6 +13,7 @@
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/damaged_file.h"
+#include "io/foreign_content.h"
 #include "io/text_tokens.h"
 #include "io/waiting_file.h"
 
@@ -141,7 +142,10 @@ void parse_dtype(Layout& layout, const std::filesystem::path& name) {
 /// `bytes` holds at least the beginning of the file, `file_size` is the whole file's.
 Layout parse_layout(std::string_view bytes, uint64_t file_size, const std::filesystem::path& name) {
   constexpr std::string_view kMagic("\x93NUMPY", 6);
-  if (bytes.substr(0, kMagic.size()) != kMagic) throw_bad_input(name, "magic", "not a NumPy .npy file", kNpyRemedy);
+  if (bytes.substr(0, kMagic.size()) != kMagic) {
+    refuse_foreign_content(bytes, name);
+    throw_bad_input(name, "magic", "not a NumPy .npy file", kNpyRemedy);
+  }
   ByteReader reader(bytes, name);
   reader.take(kMagic.size(), "magic");
   const int major = reader.little<uint8_t>("version");

@@ -19,7 +19,8 @@ PictureFormat picture_format(std::string_view bytes) {
 }
 
 const std::vector<std::string>& picture_extensions() {
-  static const std::vector<std::string> extensions = {".jpg", ".jpeg", ".png", ".webp", ".heic", ".heif", ".avif"};
+  static const std::vector<std::string> extensions = {".jpg",  ".jpeg", ".jpe",  ".jfif", ".png",
+                                                      ".webp", ".heic", ".heif", ".avif"};
   return extensions;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "io/foreign_content.h"
 #include "io/text_tokens.h"
 
 namespace aligngs {
@@ -145,7 +146,10 @@ class HeaderReader {
 }  // namespace
 
 PlyHeader parse_ply_header(std::string_view bytes, const std::filesystem::path& name) {
-  if (bytes.substr(0, 3) != "ply") throw_bad_input(name, "magic", "not a PLY file", kPlyRemedy);
+  if (bytes.substr(0, 3) != "ply") {
+    refuse_foreign_content(bytes, name);
+    throw_bad_input(name, "magic", "not a PLY file", kPlyRemedy);
+  }
   return HeaderReader(bytes, name).read();
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "io/byte_source.h"
+#include "io/foreign_content.h"
 #include "io/safetensors.h"
 #include "io/torch_container.h"
 
@@ -74,8 +75,9 @@ class TorchWeights : public WeightFile {
 };
 
 std::shared_ptr<const WeightFile> from_source(std::unique_ptr<ByteSource> source) {
-  constexpr uint64_t kMagicBytes = 16;
+  constexpr uint64_t kMagicBytes = 32;
   const std::string first = source->read(0, std::min(source->size(), kMagicBytes));
+  refuse_foreign_content(first, source->name());
   const bool zip = first.substr(0, 4) == "PK\x03\x04";
   if (zip || TorchContainer::is_legacy(first)) return std::make_shared<TorchWeights>(std::move(source));
   return std::make_shared<SafetensorsWeights>(std::move(source));

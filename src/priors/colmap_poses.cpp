@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/file_system_error.h"
 #include "priors/child_process.h"
 #include "priors/colmap_options.h"
 #include "scene/photo_mask.h"
@@ -43,6 +44,7 @@ class ColmapRun {
     const ChildResult result = run_child(arguments, work_ / "colmap.log", [&](const std::string& line) {
       if (line.find(mark) != std::string::npos) progress.update(std::min(++done, std::max<uint64_t>(total, 1) - 1));
     });
+    refuse_full_disk(work_);
     if (result.status == 0 || (may_fail && result.status < 128)) {
       progress.update(total);
       return;
@@ -78,7 +80,7 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
   const fs::path sparse = run.work() / attempt.name;
   fs::remove(database);
   fs::remove_all(sparse);
-  fs::create_directories(sparse);
+  make_folders(sparse);
   const std::string images = (run.work() / "images").string();
   const auto choose = [&](const char* quick, const char* sensitive) {
     return std::string(attempt.sensitive ? sensitive : quick);

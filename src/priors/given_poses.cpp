@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "io/image_file.h"
 #include "scene/import/capture.h"
 #include "scene/photo_lookup.h"
 
@@ -70,10 +71,19 @@ GivenPoses read_given_poses(const fs::path& cameras, const fs::path& photos, con
   for (const LeftOut& frame : poses.capture.left_out) reasons.emplace(frame.name, frame);
   poses.capture.left_out.clear();
 
-  std::set<fs::path> placed;
-  for (const CapturedFrame& frame : poses.capture.frames) placed.insert(fs::weakly_canonical(frame.image));
+  std::map<fs::path, const CapturedFrame*> placed;
+  std::set<std::string> placed_names;
+  for (const CapturedFrame& frame : poses.capture.frames) {
+    placed.emplace(fs::weakly_canonical(frame.image), &frame);
+    placed_names.insert(view_name_of(fs::path(frame.image).lexically_relative(photos).generic_string()));
+  }
   for (const Photo& photo : listed) {
-    if (placed.count(fs::weakly_canonical(photo.file))) continue;
+    if (placed.erase(fs::weakly_canonical(photo.file)) > 0) {
+      poses.photos.push_back(photo);
+      continue;
+    }
+    if (placed_names.count(photo.name)) continue;  // the cameras are for its namesake with another extension
+    poses.photos.push_back(photo);
     const std::string ending = fs::path(photo.name).filename().string();
     const auto known = std::find_if(reasons.begin(), reasons.end(), [&](const auto& entry) {
       return entry.first == photo.name || fs::path(entry.first).filename().string() == ending;
@@ -81,6 +91,10 @@ GivenPoses read_given_poses(const fs::path& cameras, const fs::path& photos, con
     const bool told = known != reasons.end() && known->second.reason != PhotoLookup::kMissing;
     poses.unplaced.push_back({photo.name, told ? known->second.reason : "the given cameras hold none for it",
                               told ? known->second.remedy : ""});
+  }
+  for (const auto& [file, frame] : placed) {
+    const ImageInfo info = read_image_info(frame->image);
+    poses.photos.push_back({frame->name, frame->image, info.width, info.height});
   }
   return poses;
 }

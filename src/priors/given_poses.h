@@ -19,7 +19,9 @@ bool has_given_cameras(const std::filesystem::path& photos);
 struct GivenPoses {
   /// a frame per photo with a camera; cameras without a photo are only counted, in its notes
   Capture capture;
-  std::vector<LeftOut> unplaced;  ///< photos without a camera, or with one that does not fit
+  std::vector<Photo>
+      photos;  ///< the listed ones, with those that the cameras name by another name or extension instead
+  std::vector<LeftOut> unplaced;  ///< of these: without a camera, or with one that does not fit
 };
 
 /// The photos are found below `photos` by the rules of PhotoLookup. A camera may be for another size of the same

@@ -31,7 +31,7 @@ class GivenPosesTest : public testing::Test {
   static std::string name_of(int i) { return std::string(1, char('a' + i)); }
 
   /// A model whose camera is for width x height, with some photos in it, in capture/sparse/0.
-  void write_model(int width, int height, int photos) const {
+  void write_model(int width, int height, int photos, const std::string& before = "") const {
     ColmapModel model;
     const double w = width, h = height;
     model.cameras = {{1, "SIMPLE_RADIAL", uint64_t(width), uint64_t(height), {w, w / 2, h / 2, 0.01}}};
@@ -39,7 +39,7 @@ class GivenPosesTest : public testing::Test {
       ColmapImage image;
       image.id = uint32_t(i + 1);
       image.camera_id = 1;
-      image.name = name_of(i) + ".png";
+      image.name = before + name_of(i) + ".png";
       image.rotation = {1, 0, 0, 0};
       image.translation = {0.1 * i, 0, 0};
       model.images.push_back(image);
@@ -82,6 +82,30 @@ class GivenPosesTest : public testing::Test {
 
   fs::path capture;
 };
+
+TEST_F(GivenPosesTest, CamerasChooseAmongPhotosOfOneName) {
+  write_model(80, 40, 4);
+  for (int i = 0; i < 4; ++i)
+    write_jpeg(capture / "images" / (name_of(i) + ".jpg"), Image<uint8_t>(80, 40, 3, 250), 90);
+  const ScenePhotosReport report = make();
+  EXPECT_EQ(report.placed, 4u);
+  EXPECT_EQ(report.photos, 4u);
+  EXPECT_NEAR(read_image(scene() / "images" / "a.png").data[0], 60, 1);
+}
+
+TEST_F(GivenPosesTest, CamerasMayNameHiddenPhotos) {
+  for (int i = 0; i < 4; ++i)
+    fs::rename(capture / "images" / (name_of(i) + ".png"), capture / "images" / ("." + name_of(i) + ".png"));
+  write_model(80, 40, 4, ".");
+  EXPECT_EQ(make().placed, 4u);
+}
+
+TEST_F(GivenPosesTest, HiddenPhotosWithoutACameraAreNamed) {
+  for (int i = 0; i < 4; ++i)
+    fs::rename(capture / "images" / (name_of(i) + ".png"), capture / "images" / ("." + name_of(i) + ".png"));
+  write_model(80, 40, 4, "x");
+  EXPECT_THAT(error_of_make(), HasSubstr("a hidden file is no photo"));
+}
 
 TEST_F(GivenPosesTest, AModelBesideThePhotosIsFoundAndItsLensUndone) {
   write_model(80, 40, 4);

@@ -59,7 +59,11 @@ class PartFile {
       throw_resources(path_, std::strerror(errno), "choose a folder that you may write to with ALIGNGS_MODELS");
     }
   }
-  ~PartFile() { close(descriptor_); }
+  ~PartFile() {
+    close(descriptor_);
+    std::error_code error;
+    if (size() == 0) fs::remove(path_, error);  // nothing to go on from
+  }
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
@@ -276,10 +280,12 @@ uint64_t download_to_part(const DownloadRequest& request) {
     }
     const CURLcode code = curl_easy_perform(curl.get());
     if (transfer.failure) std::rethrow_exception(transfer.failure);
-    if (stop_requested()) {
+    const auto end_if_stopped = [&] {
+      if (!stop_requested()) return;
       throw Error({ErrorKind::kInterrupted, "the download was stopped", part_of(request.target), "",
                    "run the same command again: the download resumes"});
-    }
+    };
+    end_if_stopped();
     const Outcome outcome = outcome_of(code, transfer, detail);
     if (outcome.complete) break;
     // Attempts count from the last one that got farther than all before it.
@@ -293,11 +299,18 @@ uint64_t download_to_part(const DownloadRequest& request) {
                    remedy_for(transfer.status())});
     }
     log_warning("{}; trying again in {:.0f} s", outcome.reason, pause);
-    std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(pause);
+    while (std::chrono::steady_clock::now() < end) {
+      end_if_stopped();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));  // unnoticed by a waiting person
+    }
     pause = std::min(2 * pause, 60.0);
   }
   part.flush();
   const uint64_t bytes = part.size();
+  if (bytes == 0)
+    throw Error({ErrorKind::kFailed, request.url + ": the server sent an empty file", part_of(request.target), "",
+                 "try again later, or another mirror"});
   if (request.expected_bytes > 0 && bytes != request.expected_bytes) {
     throw Error(
         {ErrorKind::kFailed,

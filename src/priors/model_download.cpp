@@ -12,6 +12,7 @@
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/file_system_error.h"
 #include "io/weight_file.h"
 #include "priors/http_download.h"
 
@@ -48,8 +49,7 @@ std::string probe_problem(const fs::path& path, const ModelFile& file) {
 class FolderLock {
  public:
   explicit FolderLock(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
+    make_folders(folder);
     const fs::path path = folder / ".lock";
     descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
@@ -126,6 +126,8 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
                "try again later, or another source with --from URL; what was downloaded has been "
                "removed");
   }
+  stop_if_requested();
+  const StopDeferral together;  // the file and its record
   fs::rename(part, target);
   fs::remove(part.string() + ".etag", ignored);
   record.path = fs::absolute(target).string();

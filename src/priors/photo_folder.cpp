@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/exif_focal_length.h"
+#include "io/file_system_error.h"
 #include "io/image_file.h"
 #include "io/jpeg_codec.h"
 #include "io/png_codec.h"
@@ -102,7 +103,9 @@ bool has_photos(const fs::path& folder) {
   return fs::is_directory(folder) && !pictures_of(folder_with_photos(folder)).empty();
 }
 
-PhotoList list_photos(const fs::path& given) {
+namespace {
+
+PhotoList listed_photos(const fs::path& given, bool with_hidden) {
   if (!fs::is_directory(given))
     throw_bad_input(given, "", "there is no such folder", "give the folder that holds the photos");
   PhotoList list;
@@ -114,6 +117,7 @@ PhotoList list_photos(const fs::path& given) {
     if (!is_hidden(entry->path()) || !has_picture_extension(entry->path())) continue;
     list.left_out.push_back({as_utf8(entry->path().filename().string()), "a hidden file is no photo", "remove it"});
   }
+  const size_t hidden = list.left_out.size();
   const std::vector<fs::path> files = pictures_of(list.folder);
   std::map<std::string, fs::path> names;
   for (const fs::path& file : files) {
@@ -130,7 +134,7 @@ PhotoList list_photos(const fs::path& given) {
     });
   }
   constexpr size_t kFewest = 2;  // one photo has no parallax
-  if (list.photos.size() >= kFewest) {
+  if (list.photos.size() + (with_hidden ? hidden : 0) >= kFewest) {
     list.unread = unread;
     return list;
   }
@@ -142,9 +146,15 @@ PhotoList list_photos(const fs::path& given) {
       unread.empty() ? "give the folder that holds the photos of the room" : "convert these to JPEG first:" + unread);
 }
 
+}  // namespace
+
+PhotoList list_photos(const fs::path& folder) { return listed_photos(folder, false); }
+
+PhotoList list_named_photos(const fs::path& folder) { return listed_photos(folder, true); }
+
 std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::path& folder, int max_side,
                                   ThreadPool& pool) {
-  fs::create_directories(folder);
+  make_folders(folder);
   std::vector<Photo> prepared(photos.size());
   std::vector<fs::path> masks;
   for (const Photo& photo : photos) masks.push_back(find_mask(photo.file));

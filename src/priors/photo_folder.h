@@ -28,6 +28,8 @@ struct PhotoList {
 /// else of all its subfolders but masks/. Error{kBadInput}: fewer than two photos that can be used. Pictures in formats
 /// that are not read (TIFF, raw, ...) are named in the error or in `unread`.
 PhotoList list_photos(const std::filesystem::path& folder);
+/// The same for photos that cameras name: hidden files may be among them, so that fewer are no error.
+PhotoList list_named_photos(const std::filesystem::path& folder);
 
 /// Whether list_photos would find any.
 bool has_photos(const std::filesystem::path& folder);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -14,6 +15,7 @@
 #include "core/temporary_paths.h"
 #include "io/image_file.h"
 #include "io/resample.h"
+#include "io/text_encoding.h"
 #include "nn/preprocess/pillow_resize.h"
 #include "nn/weights.h"
 #include "priors/da3_prediction.h"
@@ -160,8 +162,14 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const
                           const fs::path& scene, const ScenePhotosOptions& options, ThreadPool& pool,
                           ScenePhotosReport& report) {
   GivenPoses poses = read_given_poses(cameras, listed.folder, listed.photos);
+  // The cameras may be for photos that the list left out for their names (hidden, or with a namesake).
+  std::set<std::string> used;
+  for (const CapturedFrame& frame : poses.capture.frames) used.insert(as_utf8(frame.image.filename().string()));
+  std::erase_if(report.unplaced, [&](const LeftOut& photo) { return used.count(photo.name) > 0; });
+  report.photos = poses.photos.size() + report.unplaced.size();
+  require_enough(source, poses.photos.size(), report.unplaced, poses.photos.empty() ? 1 : 0, options.strict, "photos");
   report.unplaced.insert(report.unplaced.end(), poses.unplaced.begin(), poses.unplaced.end());
-  require_enough_placed(source, listed.photos, poses.unplaced, options.strict,
+  require_enough_placed(source, poses.photos, poses.unplaced, options.strict,
                         "give the photos that the cameras were found for, or another --method");
   poses.capture.layout = "photos, cameras given (" + poses.capture.layout + ")";
   import_photos(poses.capture, source, scene, options, true, pool, report);
@@ -349,14 +357,16 @@ bool is_video(const fs::path& source) { return is_video_name(source) && !fs::is_
 /// The photos of a folder, and the given cameras.
 CheckedPhotos check_folder(const fs::path& folder, const fs::path& source, const ScenePhotosOptions& options) {
   CheckedPhotos checked;
-  checked.listed = list_photos(folder);
+  const bool given = options.method == PosesMethod::kGiven;
+  checked.listed = given ? list_named_photos(folder) : list_photos(folder);
   const PhotoList& listed = checked.listed;
-  if (options.method == PosesMethod::kGiven) checked.cameras = find_given_cameras(listed.folder, options.cameras);
-  if (!uses_network(options.method) && listed.photos.size() < kFewestPlaced) {
-    throw_bad_input(source, "", fmt::format("{} photos are too few", listed.photos.size()),
+  const size_t found = listed.photos.size() + (given ? listed.left_out.size() : 0);
+  if (given) checked.cameras = find_given_cameras(listed.folder, options.cameras);
+  if (!uses_network(options.method) && found < kFewestPlaced) {
+    throw_bad_input(source, "", fmt::format("{} photos are too few", found),
                     fmt::format("take at least {}, or use --method vggt or da3", kFewestPlaced));
   }
-  require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict, "photos");
+  require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict && !given, "photos");
   return checked;
 }
 

@@ -10,6 +10,7 @@
 #include "core/half.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "io/file_system_error.h"
 #include "io/folder_replacement.h"
 #include "io/image_file.h"
 #include "io/npy.h"
@@ -74,7 +75,7 @@ class PriorFill {
 
   void add_semantics(const std::string& view, const std::vector<int64_t>& shape, const std::vector<uint16_t>& half) {
     const fs::path file = maps_.path() / (view + ".npz");
-    fs::create_directories(file.parent_path());
+    make_folders(file.parent_path());
     write_npz_float16(file, shape, half.data());
   }
   /// segments/ comes with the maps; without any, those of the maps that went are removed.
@@ -88,12 +89,12 @@ class PriorFill {
     std::vector<uint16_t> half(depth.data.size());
     std::transform(depth.data.begin(), depth.data.end(), half.begin(), float_to_half);
     const fs::path file = maps_.path() / (view + ".npy");
-    fs::create_directories(file.parent_path());
+    make_folders(file.parent_path());
     write_npy_float16(file, {depth.height, depth.width}, half.data());
   }
   void add_confidence(const std::string& view, const ImageF& map) {
     const fs::path file = confidence_->path() / (view + ".npy");
-    fs::create_directories(file.parent_path());
+    make_folders(file.parent_path());
     write_confidence_map(file, map);
   }
 

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/file_system_error.h"
 #include "io/picture_format.h"
 #include "priors/child_process.h"
 #include "priors/frame_choice.h"
@@ -61,6 +62,7 @@ void run_ffmpeg(const fs::path& video, const std::string& filter, const std::vec
       progress.update(
           std::min(uint64_t(std::max(0.0, std::atof(line.c_str() + 12)) * kUnits / 1e6), uint64_t(seconds * kUnits)));
   });
+  refuse_full_disk(log.parent_path());  // ffmpeg may end well with half a file
   if (result.status != 0) refuse(video, "ffmpeg cannot read it: " + last_line(result.last_lines));
 }
 
@@ -92,7 +94,7 @@ void require_readable_video(const fs::path& video) {
 
 VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {
   require_readable_video(video);
-  fs::create_directories(folder);
+  make_folders(folder);
   const VideoStream stream = stream_of(video, folder);
   const double wanted = double(options.views) * kCandidatesPerView / stream.seconds;
   const std::string rate = fmt::format("fps={:.6f}", std::min({wanted, stream.frame_rate, double(kMostRate)}));

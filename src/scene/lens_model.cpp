@@ -1,5 +1,7 @@
 #include "scene/lens_model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -95,6 +97,20 @@ LensProjection projection_of(const std::string& model) {
   return LensProjection::kPerspective;
 }
 
+/// Some programs give intrinsics as parts of the width and height.
+void require_focal_in_pixels(const LensModel& lens, const std::filesystem::path& path, const std::string& field) {
+  constexpr double kShortest = 0.02;  // of the longer side: a perspective view of 176 degrees
+  constexpr double kLongest = 1000;   // of the longer side: a view of 0.06 degrees
+  const double side = std::max(lens.width, lens.height);
+  for (const double focal : {lens.fx, lens.fy}) {
+    if (focal >= kShortest * side && focal <= kLongest * side) continue;
+    throw_bad_input(path, field,
+                    fmt::format("a focal length of {:.4g} pixels is impossible for a picture of {} x {}", focal,
+                                lens.width, lens.height),
+                    "focal lengths and principal points are in pixels, not in parts of the width");
+  }
+}
+
 }  // namespace
 
 bool LensModel::distorted() const {
@@ -175,6 +191,7 @@ LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path)
   if (!(lens.fx > 0 && lens.fy > 0)) {
     throw_bad_input(path, field, "the focal length is not positive", "write the model again");
   }
+  require_focal_in_pixels(lens, path, field);
   read_distortion(camera.model, p.data() + focals + 2, lens);
   if (lens.projection == LensProjection::kUnified && !(p[4] >= 0 && p[4] <= 1 && p[5] > 0)) {
     throw_bad_input(path, field, "EUCM needs alpha within [0, 1] and a positive beta", "write the model again");

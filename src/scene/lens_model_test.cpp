@@ -35,6 +35,12 @@ TEST(LensOf, ReadsTheParametersOfEachModel) {
   EXPECT_EQ(full.radial[5], 8);
 }
 
+TEST(LensOf, IntrinsicsInPartsOfTheWidthAreRefused) {
+  EXPECT_THROW(lens_of(colmap_camera("PINHOLE", {0.8, 1.1, 0.5, 0.5}), "c"), Error);
+  EXPECT_THROW(lens_of(colmap_camera("PINHOLE", {50, 1e9, 32, 24}), "c"), Error);
+  EXPECT_NO_THROW(lens_of(colmap_camera("OPENCV_FISHEYE", {10, 10, 32, 24, 0, 0, 0, 0}), "c"));
+}
+
 TEST(LensOf, ZeroDistortionIsAPinhole) {
   EXPECT_FALSE(lens_of(colmap_camera("RADIAL", {50, 31, 23, 0, 0}), "c").distorted());
 }

@@ -35,9 +35,14 @@ const PlyElement& vertex_element(const PlyFile& file, const std::filesystem::pat
   return *vertices;
 }
 
-std::vector<Vec3f> read_positions(const PlyElement& vertices, const std::filesystem::path& path) {
+Columns3 positions_of(const PlyElement& vertices, const std::filesystem::path& path) {
   const Columns3 xyz(vertices, "x", "y", "z");
   if (!xyz) throw_bad_input(path, "vertex", "no properties x, y, z", "export the surface with vertex positions");
+  return xyz;
+}
+
+std::vector<Vec3f> read_positions(const PlyElement& vertices, const std::filesystem::path& path) {
+  const Columns3 xyz = positions_of(vertices, path);
   std::vector<Vec3f> out(vertices.count);
   for (size_t i = 0; i < out.size(); ++i) {
     const Vec3f p = xyz.row(i).cast<float>();
@@ -197,15 +202,24 @@ std::string mesh_ply(const TriangleMesh& mesh) {
   return out;
 }
 
-PointCloud read_cloud_ply(const std::filesystem::path& path) {
+CloudFile read_cloud_file(const std::filesystem::path& path) {
   const PlyFile file = read_ply(path);
   const PlyElement& vertices = vertex_element(file, path);
-  PointCloud cloud;
-  cloud.positions = read_positions(vertices, path);
-  cloud.normals = read_normals(vertices);
-  cloud.colors = read_colors(vertices);
-  if (cloud.colors.empty()) cloud.colors.assign(cloud.size(), Vec3f{0.5f, 0.5f, 0.5f});  // mid grey: colour unknown
-  return cloud;
+  const Columns3 xyz = positions_of(vertices, path);
+  const std::vector<Vec3f> normals = read_normals(vertices), colors = read_colors(vertices);
+  CloudFile out;
+  for (size_t i = 0; i < vertices.count; ++i) {
+    const Vec3d position = xyz.row(i);
+    if (!std::isfinite(norm(position.cast<float>()))) {
+      ++out.left_out;
+      continue;
+    }
+    out.positions.push_back(position);
+    out.cloud.positions.push_back(position.cast<float>());
+    out.cloud.colors.push_back(colors.empty() ? Vec3f{0.5f, 0.5f, 0.5f} : colors[i]);  // mid grey: colour unknown
+    if (!normals.empty()) out.cloud.normals.push_back(normals[i]);
+  }
+  return out;
 }
 
 }  // namespace aligngs

@@ -76,10 +76,20 @@ TEST(MeshPly, CloudsKeepColoursAndDropZeroNormals) {
                                "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
                                "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
                                "1 2 3 0 0 0 255 0 51\n");
-  const PointCloud cloud = read_cloud_ply(path);
+  const PointCloud cloud = read_cloud_file(path).cloud;
   ASSERT_EQ(cloud.size(), 1u);
   EXPECT_FALSE(cloud.has_normals());
   EXPECT_NEAR(cloud.colors[0].z, 0.2, 1e-6);
+}
+
+TEST(MeshPly, PointsWithoutAUsablePositionAreLeftOut) {
+  const auto path = write_text("holes.ply",
+                               "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
+                               "property double z\nend_header\nnan 0 0\n1 2 3\n0 inf 0\n0 0 1e300\n");
+  const CloudFile file = read_cloud_file(path);
+  EXPECT_EQ(file.left_out, 3u);
+  ASSERT_EQ(file.cloud.size(), 1u);
+  EXPECT_EQ(file.positions.at(0).z, 3);
 }
 
 TEST(MeshPly, ColumnsOfDifferentLengthAreRefused) {

@@ -27,9 +27,9 @@ bool is_file(const fs::path& path) {
 
 /// A name without the extension of a picture, also of kinds that are not read; other dots belong to the name.
 std::string stem_of(const fs::path& file) {
-  static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png", ".tif", ".tiff", ".heic",
-                                               ".heif", ".webp", ".bmp", ".ppm", ".avif", ".gif",
-                                               ".exr",  ".dng",  ".cr2", ".nef", ".arw",  ".jp2"};
+  static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png", ".tif",  ".tiff", ".heic", ".heif",
+                                               ".webp", ".bmp",  ".ppm", ".avif", ".gif",  ".exr",  ".dng",
+                                               ".cr2",  ".nef",  ".arw", ".jp2",  ".jpe",  ".jfif"};
   return kKnown.count(lower(file.extension().string())) ? file.stem().string() : file.filename().string();
 }
 

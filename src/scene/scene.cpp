@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "io/colmap.h"
 #include "scene/lens_model.h"
 #include "scene/mesh_ply.h"
@@ -166,7 +167,7 @@ PointCloud cloud_of(const ColmapModel& model, const fs::path& folder) {
   // the same points in the same order (other tools rewrite either file).
   const fs::path ply = folder / "points3D.ply";
   if (cloud.size() == 0 || !fs::is_regular_file(ply)) return cloud;
-  const PointCloud with_normals = read_cloud_ply(ply);
+  const PointCloud with_normals = read_cloud_file(ply).cloud;
   if (!with_normals.has_normals() || with_normals.size() != cloud.size()) return cloud;
   for (size_t i = 0; i < cloud.size(); ++i) {
     if (norm(with_normals.positions[i] - cloud.positions[i]) > 1e-5f * (1 + norm(cloud.positions[i]))) return cloud;
@@ -372,6 +373,8 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   refuse_what_is_no_scene(folder, given_folder);
   const fs::path model_folder = find_colmap_folder(folder);
   const ColmapModel model = read_colmap_model(model_folder);
+  if (model.points_left_out > 0)
+    log_warning("{}: {} points without a usable position are not used", model_folder.string(), model.points_left_out);
   scene.left_out = model.left_out;
   for (LeftOut& view : scene.left_out) view.name = view_name_of(view.name);
   if (model.images.empty()) {

@@ -111,6 +111,23 @@ void check_depth(const Scene& scene, const View& view, ViewFindings& findings) {
                     "disparity or inverse depth, not depth",
                     evidence.rank_correlation, evidence.points),
         "write depth: 1 / (disparity * scale + shift), larger is farther", true);
+  } else if (scene.depth_scale == DepthScale::kScene && evidence.has_other_unit()) {
+    add(findings, view.prior_depth, "values",
+        fmt::format("the depth is {:.3g} times that of {} points, although it counts as in scene units", evidence.ratio,
+                    evidence.points),
+        "write it in scene units, or set \"scale\": \"own\" in priors.json", false);
+  }
+}
+
+/// A map that trusts no pixel takes all depth of its view away.
+void check_confidence(const Scene& scene, const View& view, ViewFindings& findings) {
+  const std::filesystem::path path = scene.folder / "pred_confidence" / (view.name + ".npy");
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable) || scene.prior_source == kStereoDepth) return;
+  const FloatArray array = read_map(path);
+  if (std::none_of(array.data.begin(), array.data.end(), [](float value) { return value > 0; })) {
+    add(findings, path, "values", "no pixel has a confidence above 0, so no depth of this view is used",
+        "compute this map again, or remove it", false);
   }
 }
 
@@ -158,7 +175,10 @@ ViewFindings check_view(const Scene& scene, int index, const std::vector<ScenePr
   };
   ViewFindings findings;
   if (good(view.image)) note_error(findings, view.image, [&] { check_image(view, findings); });
-  if (good(view.prior_depth)) note_error(findings, view.prior_depth, [&] { check_depth(scene, view, findings); });
+  if (good(view.prior_depth)) {
+    note_error(findings, view.prior_depth, [&] { check_depth(scene, view, findings); });
+    note_error(findings, view.prior_depth, [&] { check_confidence(scene, view, findings); });
+  }
   if (good(view.semantics)) note_error(findings, view.semantics, [&] { check_semantics(scene, view, findings); });
   if (const fs::path file = segment_file_of(scene, view); fs::is_regular_file(file) && good(file))
     note_error(findings, file, [&] { read_segments(file, scene.labels.size()); });

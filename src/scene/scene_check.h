@@ -13,11 +13,13 @@ std::vector<SceneProblem> check_headers(const Scene& scene);
 /// Error{kBadInput} with all reasons when so many views were left out that fewer than kFewestTrainingViews train.
 void require_enough_training_views(const Scene& scene);
 
-/// Whether a map given as depth is disparity (larger is nearer), judged on the scene's points.
+/// Whether a map given as depth is disparity (larger is nearer) or has another unit, judged on the scene's points.
 struct DisparityEvidence {
   int points = 0;               ///< visible points with a prior value
   double rank_correlation = 0;  ///< Spearman's, of prior value and depth of the points
+  double ratio = 1;             ///< median of prior value / depth; 1 for fewer than 30 points
   bool is_disparity() const;    ///< at least 30 points and a correlation below -0.5
+  bool has_other_unit() const;  ///< a ratio above 3 or below a third
 };
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
 

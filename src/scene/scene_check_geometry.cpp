@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/median.h"
 #include "scene/scene_check.h"
 
 namespace aligngs {
@@ -14,6 +15,7 @@ constexpr int kGrid = 24;         ///< cells across the image of the coarse dept
 constexpr double kBehind = 1.1;   ///< a point this much farther than the nearest one of its cell is hidden
 constexpr int kMinEvidence = 30;  ///< points needed to call a map disparity
 constexpr double kDisparityRank = -0.5;
+constexpr double kOtherUnit = 3;          ///< ratio: feet are 3.3 to a metre, and no prior in scene units is so far off
 constexpr size_t kMinCloud = 100;         ///< points; below, what single views see tells nothing
 constexpr size_t kFewPoints = 20;         ///< points in a view: too few to place it or its Gaussians
 constexpr double kSmallOverlap = 0.1;     ///< share of a view's points that its best neighbour sees
@@ -94,11 +96,12 @@ void check_principal_points(const Scene& scene, std::vector<SceneProblem>& probl
   for (const int i : scene.train) {
     const View& view = scene.views[i];
     const Camera& c = view.camera;
-    if (c.cx > 0 && c.cy > 0 && c.cx < c.width && c.cy < c.height) continue;
+    const bool corner = c.cx <= 1 && c.cy <= 1;  // parts of the width and height instead of pixels
+    if (!corner && c.cx > 0 && c.cy > 0 && c.cx < c.width && c.cy < c.height) continue;
     problems.push_back({view.image, "camera",
-                        fmt::format("the principal point ({:.4g}, {:.4g}) lies outside of this photo of {} x {}", c.cx,
-                                    c.cy, c.width, c.height),
-                        "check that the camera is for photos of this size", false});
+                        fmt::format("the principal point ({:.4g}, {:.4g}) lies {} of this photo of {} x {}", c.cx, c.cy,
+                                    corner ? "in the corner" : "outside", c.width, c.height),
+                        "check that the camera is for photos of this size, and in pixels", false});
   }
 }
 
@@ -149,6 +152,8 @@ std::vector<uint32_t> visible_points(const PointCloud& cloud, const Camera& came
 
 bool DisparityEvidence::is_disparity() const { return points >= kMinEvidence && rank_correlation < kDisparityRank; }
 
+bool DisparityEvidence::has_other_unit() const { return ratio > kOtherUnit || ratio < 1 / kOtherUnit; }
+
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth) {
   const Camera at_map = camera.resized(prior_depth.width, prior_depth.height);
   std::vector<double> depths, priors;
@@ -162,7 +167,11 @@ DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& came
   }
   DisparityEvidence evidence;
   evidence.points = static_cast<int>(depths.size());
-  if (evidence.points >= kMinEvidence) evidence.rank_correlation = correlation(ranks(depths), ranks(priors));
+  if (evidence.points < kMinEvidence) return evidence;
+  evidence.rank_correlation = correlation(ranks(depths), ranks(priors));
+  std::vector<double> ratios(depths.size());
+  for (size_t i = 0; i < ratios.size(); ++i) ratios[i] = priors[i] / depths[i];
+  evidence.ratio = median_of(std::move(ratios));
   return evidence;
 }
 

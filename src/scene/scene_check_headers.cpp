@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "io/file_system_error.h"
 #include "io/image_file.h"
 #include "scene/photo_fit.h"
 #include "scene/prior_maps.h"
@@ -20,6 +21,10 @@ void note_error(std::vector<SceneProblem>& problems, const std::filesystem::path
   } catch (const Error& error) {
     const Error::Details& d = error.details();
     problems.push_back({d.path.empty() ? path : d.path, d.field, d.message, d.remedy, true});
+  } catch (const std::filesystem::filesystem_error& failed) {
+    const Error error = error_of(failed);
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    problems.push_back({path, {}, error.details().message, error.details().remedy, true});
   }
 }
 

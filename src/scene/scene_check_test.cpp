@@ -134,6 +134,26 @@ TEST(CheckScene, DisparityGivenAsDepthIsFatal) {
   EXPECT_NE(problems[0].message.find("disparity"), std::string::npos);
 }
 
+TEST(CheckScene, ConfidenceOfNothingIsAWarning) {
+  const fs::path folder = write_scene();
+  fs::create_directories(folder / "pred_confidence");
+  const std::vector<float> none(size_t(kWidth) * kHeight, 0.0f);
+  write_npy_float32(folder / "pred_confidence" / "v1.npy", {kHeight, kWidth}, none.data());
+  const auto problems = of_file(problems_of(folder), "v1.npy");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+  EXPECT_NE(problems[0].message.find("confidence"), std::string::npos);
+}
+
+TEST(CheckScene, DepthInMillimetresIsAWarning) {
+  const fs::path folder = write_scene();
+  write_depth(folder, "v1", [](float z) { return 1000 * z; });
+  const auto problems = of_file(problems_of(folder), "v1.npy");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+  EXPECT_NE(problems[0].message.find("1e+03 times"), std::string::npos) << problems[0].message;
+}
+
 TEST(CheckScene, ConstantDepthIsAWarning) {
   const fs::path folder = write_scene();
   write_depth(folder, "v0", [](float) { return 2.0f; });
@@ -230,6 +250,16 @@ TEST(CheckGeometry, ACameraOfAnotherSizeIsAWarning) {
   ASSERT_NE(found, problems.end());
   EXPECT_FALSE(found->fatal);
   EXPECT_EQ(found->path, scene.views[static_cast<size_t>(scene.train[0])].image);
+}
+
+TEST(CheckGeometry, APrincipalPointInTheCornerIsAWarning) {
+  Scene scene = open_scene(write_scene());
+  Camera& camera = scene.views[static_cast<size_t>(scene.train[0])].camera;
+  camera.cx = camera.cy = 0.5;  // of the width and height
+  bool said = false;
+  for (const SceneProblem& problem : check_geometry(scene))
+    said |= !problem.fatal && problem.message.find("in the corner") != std::string::npos;
+  EXPECT_TRUE(said);
 }
 
 TEST(CheckGeometry, CamerasInOnePlaceAreAWarning) {

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
+#include "io/text_encoding.h"
 
 namespace aligngs {
 namespace {
@@ -18,11 +19,12 @@ using nlohmann::json;
 json read_object(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return json();
   const std::string content = read_file(path, kMaxSceneFile);
+  const std::string_view text = text_of_file(content, path);
   json value;
   try {
-    value = json::parse(content);
-  } catch (const json::parse_error& error) {
-    throw_bad_input(path, "byte " + std::to_string(error.byte), "this is no valid JSON", "correct or remove the file");
+    value = json::parse(text);
+  } catch (const json::parse_error&) {
+    throw_bad_input(path, place_of_json_fault(text), "this is no valid JSON", "correct or remove the file");
   } catch (const json::exception&) {
     throw_bad_input(path, "", "a number in it is too large", "correct or remove the file");
   }

@@ -58,6 +58,7 @@ struct ViewServer::State {
   void listen() {
     const uint16_t first = options.port != 0 ? options.port : kFirstPort;
     const int tries = options.port != 0 ? 1 : kPortsTried;
+    std::string reason;
     for (int i = 0; i < tries; ++i) {
       const tcp::endpoint end(net::ip::address_v4::loopback(), static_cast<uint16_t>(first + i));
       beast::error_code error;
@@ -66,9 +67,12 @@ struct ViewServer::State {
       if (!error) acceptor.bind(end, error);
       if (!error) acceptor.listen(net::socket_base::max_listen_connections, error);
       if (!error) return;
+      reason = error == net::error::address_in_use ? "is in use" : "cannot be opened: " + error.message();
       acceptor.close(error);
     }
-    throw_resources({}, options.port != 0 ? "port " + std::to_string(options.port) + " is in use" : "no port is free",
+    throw_resources({},
+                    options.port != 0 ? "port " + std::to_string(options.port) + " " + reason
+                                      : "no port is free: the last one " + reason,
                     "choose another one with --port");
   }
 

@@ -7,6 +7,7 @@
 #include "cli/stages/pipeline.h"
 #include "cli/stages/refine_stage.h"
 #include "core/log.h"
+#include "io/file_system_error.h"
 #include "priors/scene_priors.h"
 #include "refine/scene_copy.h"
 
@@ -101,7 +102,7 @@ class ScenePreparation {
   void find_cameras(const fs::path& own) const {
     ScenePhotosOptions poses = options_.photos;
     poses.overwrite = fs::exists(own);
-    fs::create_directories(plan_.run);
+    make_folders(plan_.run);
     const ScenePhotosReport report = run_poses(plan_.source.string(), own.string(), poses, store_);
     log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/log.h"
+#include "io/file_system_error.h"
 #include "refine/completed_scene.h"
 #include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
@@ -56,7 +57,7 @@ bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig
   auto options = options_of<MeasureSceneOptions>(config, context);
   options.plane_settings.sure.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
-  fs::create_directories(run);
+  make_folders(run);
   const MeasureSceneReport report = measure_scene(trained_part(scene, config), run / "scene", options, pool);
   if (report.views == 0) {
     log_warning("{}; training starts from the points", kNothingMeasured);
@@ -78,7 +79,7 @@ CompletedScene complete_into_run(const Scene& scene, const fs::path& run, const 
   options.holes = config.data.fill_depth;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
-  fs::create_directories(run);
+  make_folders(run);
   const CompleteSceneReport report = complete_scene(trained_part(scene, config), run / "scene", options, pool);
   CompletedScene completed{report.corrected || report.exposed || report.cleaned || report.completed,
                            options.check_cameras ? describe_check(report.cameras, options.correct_cameras) : ""};
@@ -109,7 +110,7 @@ void refine_into_run(const Scene& scene, const fs::path& run, const TrainConfig&
   options.screen_settings.enabled = config.data.refine_screens;
   options.plane_settings.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
-  fs::create_directories(run);
+  make_folders(run);
   const RefineSceneReport report = refine_scene(trained_part(scene, config), run / "scene", options, pool);
   log_info("prior depth: {}", report.depth_placement);
   const RefineResult& result = report.cameras;

@@ -18,6 +18,7 @@
 #include "core/temporary_paths.h"
 #include "io/atomic_file.h"
 #include "io/drawn_picture.h"
+#include "io/file_system_error.h"
 #include "io/output_place.h"
 #include "priors/child_process.h"
 
@@ -33,7 +34,6 @@ constexpr const char* kProgram = "ffmpeg";
 constexpr const char* kVideoQuality = "18";          // constant rate factor of x264: no loss that is seen
 constexpr uint64_t kLongestLog = uint64_t(1) << 20;  // bytes
 constexpr size_t kToldBytes = 400;                   // of what ffmpeg said last
-constexpr uintmax_t kFullDisk = 64 * 1024;           // bytes: less than ffmpeg writes at once
 
 std::vector<std::string> command_of(const fs::path& file, int width, int height, double rate) {
   return {kProgram,
@@ -77,17 +77,23 @@ VideoWriter::VideoWriter(fs::path file, int width, int height, double rate) : fi
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
   if (error)
-    throw_resources(file_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+    throw_resources(file_, "the folder cannot be created: " + error.message(), remedy_for_write(error.value()));
   temporary_ = temporary_beside(file_, ".tmp-" + std::to_string(::getpid()));
   log_ = temporary_beside(file_, ".log.tmp-" + std::to_string(::getpid()));
   note_temporary_path(temporary_);
   note_temporary_path(log_);
+  const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (log < 0) {
+    const int code = errno;
+    end();
+    throw_resources(file_, "cannot create the file: " + std::string(std::strerror(code)), remedy_for_write(code));
+  }
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw_resources({}, std::strerror(errno));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  posix_spawn_file_actions_adddup2(&actions, log, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   posix_spawnattr_t attributes;  // Ctrl-C is for this program, which then ends ffmpeg
   posix_spawnattr_init(&attributes);
@@ -101,6 +107,7 @@ VideoWriter::VideoWriter(fs::path file, int width, int height, double rate) : fi
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
+  close(log);
   to_child_ = ends[0];
   if (failed == 0) return;
   child_ = -1;
@@ -151,10 +158,7 @@ void VideoWriter::fail() {
   if (to_child_ >= 0) close(to_child_);
   to_child_ = -1;
   wait();
-  std::error_code unknown;
-  const fs::space_info space = fs::space(file_.parent_path(), unknown);
-  if (!unknown && space.available < kFullDisk)
-    throw_resources(file_, "cannot write: " + std::string(std::strerror(ENOSPC)), "free disk space or write elsewhere");
+  refuse_full_disk(file_.parent_path());
   std::error_code error;
   std::string told = fs::exists(log_, error) ? read_file(log_, kLongestLog) : std::string();
   if (told.size() > kToldBytes) told.erase(0, told.size() - kToldBytes);

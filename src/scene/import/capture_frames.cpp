@@ -95,6 +95,10 @@ void leave_out_without_depth(Capture& capture) {
 
 }  // namespace
 
+std::string note_of_unusable_points(size_t count) {
+  return std::to_string(count) + " points without a usable position (not finite, or beyond all scenes) are not used";
+}
+
 void set_camera(CapturedFrame& frame, const ColmapCamera& camera) {
   const ImageInfo info = read_image_info(frame.image);
   const PhotoFit fit = require_photo_fit(frame.image, info, static_cast<int>(std::min<uint64_t>(camera.width, 1 << 30)),

@@ -37,6 +37,9 @@ std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std
 void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses,
                               const std::vector<std::filesystem::path>& photos);
 
+/// "3 points without a usable position ..."
+std::string note_of_unusable_points(size_t count);
+
 /// Sets the depth when the file is there.
 void set_depth(CapturedFrame& frame, const std::filesystem::path& file);
 

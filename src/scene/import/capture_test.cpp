@@ -232,6 +232,12 @@ TEST_F(TransformsTest, LensesThatAreNotUndoneAreRefusedByName) {
   EXPECT_THAT(error_of(R"(, "latlong": true)"), HasSubstr("latlong"));
 }
 
+TEST_F(TransformsTest, AnAngleThatContradictsTheFocalLengthIsNamed) {
+  EXPECT_THAT(read(R"(, "camera_angle_x": 0.3)").notes,
+              ElementsAre(AllOf(HasSubstr("camera_angle_x is not used"), HasSubstr("fl_x says 30"))));
+  EXPECT_TRUE(read(R"(, "camera_angle_x": 0.98)").notes.empty());  // 2 atan(16 / 30)
+}
+
 TEST_F(TransformsTest, NumbersThatNoLensHasAreRefusedByName) {
   EXPECT_THAT(error_of(R"(, "fl_x": -30)"), HasSubstr("fl_x: a negative focal length"));
   EXPECT_THAT(error_of(R"(, "k1": NaN)"), HasSubstr("k1: expected a finite number"));

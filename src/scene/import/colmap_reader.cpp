@@ -34,8 +34,7 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
   capture.left_out = model.left_out;
   if (const std::string choice = choice_of_model(folder); !choice.empty()) capture.notes.push_back(choice);
-  if (model.points_left_out > 0)
-    capture.notes.push_back(std::to_string(model.points_left_out) + " points without a finite position are not used");
+  if (model.points_left_out > 0) capture.notes.push_back(note_of_unusable_points(model.points_left_out));
   std::map<uint32_t, const ColmapCamera*> cameras;
   for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
   for (const ColmapImage& image : model.images) {

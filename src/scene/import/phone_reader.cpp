@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/foreign_content.h"
 #include "io/image_limits.h"
 #include "io/json_text.h"
 #include "io/text_encoding.h"
@@ -26,7 +27,9 @@ using Json = nlohmann::json;
 namespace {
 
 Json read_frame_json(const fs::path& file) {
-  Json document = parse_json(text_of_file(read_file(file), file));
+  const std::string content = read_file(file);
+  Json document = parse_json(text_of_file(content, file));
+  if (document.is_discarded()) refuse_foreign_content(content, file);
   if (!document.is_object())
     throw_bad_input(file, "", "this is no JSON object", "export the capture again, or leave this frame out");
   return document;

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/foreign_content.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
 #include "io/text_encoding.h"
@@ -28,9 +29,13 @@ ReplicaCamera read_camera(const fs::path& folder) {
   ReplicaCamera camera;
   const fs::path file = first_existing({folder / "cam_params.json", folder.parent_path() / "cam_params.json"});
   if (file.empty()) return camera;
-  const nlohmann::json document = parse_json(text_of_file(read_file(file), file));
-  if (document.is_discarded())
-    throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
+  const std::string content = read_file(file);
+  const std::string_view text = text_of_file(content, file);
+  const nlohmann::json document = parse_json(text);
+  if (document.is_discarded()) {
+    refuse_foreign_content(text, file);
+    throw_bad_input(file, place_of_json_fault(text), "this is no valid JSON", "correct this place");
+  }
   if (!document.is_object() || !document.contains("camera") || !document["camera"].is_object()) {
     throw_bad_input(file, "camera", "an object with w, h, fx, fy, cx, cy and scale expected",
                     "correct or remove the file");

@@ -1,5 +1,7 @@
 #include "scene/import/transforms_fields.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -204,6 +206,25 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
     camera.params.insert(camera.params.end(), {k[0], k[1], p1, p2});
   }
   return camera;
+}
+
+std::vector<std::string> TransformsFields::contradictions(int width, int height) const {
+  constexpr double kTolerance = 0.05;  // programs round angles, and measure them with or without the distortion
+  std::vector<std::string> lines;
+  const auto compare = [&](const char* pixels, const char* angle_key, double radians_per_unit, double side) {
+    const double focal = number(pixels, 0), angle = radians_per_unit * number(angle_key, 0);
+    if (!(focal > 0 && angle > 0 && angle < kPi)) return;
+    const double other = 0.5 * side / std::tan(0.5 * angle);
+    if (std::abs(other - focal) > kTolerance * focal)
+      lines.push_back(fmt::format("{} is not used: it means a focal length of {:.4g} pixels, {} says {:.4g}", angle_key,
+                                  other, pixels, focal));
+  };
+  const double w = number("w", width), h = number("h", height);
+  compare("fl_x", "camera_angle_x", 1, w);
+  compare("fl_y", "camera_angle_y", 1, h);
+  compare("fl_x", "x_fov", kRadiansPerDegree, w);
+  compare("fl_y", "y_fov", kRadiansPerDegree, h);
+  return lines;
 }
 
 std::vector<std::string> unknown_fields(const Json& object) {

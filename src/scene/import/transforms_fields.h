@@ -32,6 +32,9 @@ class TransformsFields {
   /// length.
   ColmapCamera camera(int width, int height) const;
 
+  /// Fields that state the focal length once more and otherwise; `camera()` takes the pixels. One line each.
+  std::vector<std::string> contradictions(int width, int height) const;
+
   /// Error{kBadInput} for fields whose meaning is not supported, by name.
   void refuse_unsupported() const;
 

@@ -8,9 +8,9 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/foreign_content.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
-#include "io/ply.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
@@ -32,10 +32,14 @@ struct Transforms {
 };
 
 Transforms read_document(const fs::path& file) {
-  Transforms transforms{file, parse_json(text_of_file(read_file(file), file))};
+  const std::string content = read_file(file);
+  const std::string text = as_utf8(text_of_file(content, file));  // old programs write latin-1
+  Transforms transforms{file, parse_json(text)};
   const Json& document = transforms.document;
-  if (document.is_discarded())
-    throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
+  if (document.is_discarded()) {
+    refuse_foreign_content(text, file);
+    throw_bad_input(file, place_of_json_fault(text), "this is no valid JSON", "correct this place");
+  }
   if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array()) {
     throw_bad_input(file, "frames", "this is no transforms.json", "expected a JSON object with a list \"frames\"");
   }
@@ -77,7 +81,7 @@ class FrameReader {
       if (!fs::is_regular_file(frame.mask))
         throw_bad_input(frame.mask, "mask_path", "the mask is missing", "add it, or remove mask_path");
     }
-    note_lens(fields);
+    note_lens(fields, info);
     return frame;
   }
 
@@ -103,7 +107,7 @@ class FrameReader {
     return file;
   }
 
-  void note_lens(const TransformsFields& fields) const {
+  void note_lens(const TransformsFields& fields, const ImageInfo& info) const {
     if (fields.number("fisheye_crop_radius", 0) != 0)
       note_once("fisheye_crop_radius is not used: pixels outside of the circle count; mask_path can leave them out");
     if (const Json* shutter = fields.find("rolling_shutter")) {
@@ -112,6 +116,7 @@ class FrameReader {
       });
       if (any) note_once("rolling_shutter is not used: every photo counts as taken at one moment");
     }
+    for (const std::string& note : fields.contradictions(info.stored_width, info.stored_height)) note_once(note);
     if (fields.find("time")) note_once("time is not used: the scene counts as one that does not move");
   }
 
@@ -187,17 +192,14 @@ std::vector<std::string> listed_names(const Transforms& transforms, std::initial
   return names;
 }
 
-/// Points in double precision, which PointCloud has not.
-CapturedCloud read_points(const fs::path& file) {
+CapturedCloud read_points(const fs::path& file, Capture& capture) {
   if (!fs::is_regular_file(file))
     throw_bad_input(file, "ply_file_path", "the points are missing", "add the file, or remove ply_file_path");
+  CloudFile points = read_cloud_file(file);
+  if (points.left_out > 0) capture.notes.push_back(note_of_unusable_points(points.left_out));
   CapturedCloud cloud;
-  const PointCloud points = read_cloud_ply(file);
-  const PlyFile ply = read_ply(file);
-  const PlyElement& vertices = *ply.find("vertex");
-  const PlyProperty *x = vertices.find("x"), *y = vertices.find("y"), *z = vertices.find("z");
-  for (size_t i = 0; i < points.size(); ++i) cloud.positions.push_back({x->values[i], y->values[i], z->values[i]});
-  cloud.colors = points.colors;
+  cloud.positions = std::move(points.positions);
+  cloud.colors = std::move(points.cloud.colors);
   return cloud;
 }
 
@@ -237,7 +239,7 @@ Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
     capture.test = listed_names(transforms, {"test_filenames", "val_filenames"});
     const std::string ply =
         TransformsFields(transforms.document, transforms.document, transforms.file).text("ply_file_path");
-    if (!ply.empty()) capture.cloud = read_points(folder / slashed_name(ply));
+    if (!ply.empty()) capture.cloud = read_points(folder / slashed_name(ply), capture);
     note_unknown(transforms, capture);
   } else {
     const bool has_test = fs::is_regular_file(folder / "transforms_test.json");
