@@ -9,7 +9,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kWall = 0, kWindow = 8, kRug = 28, kBook = 67;  // ADE20K class numbers
+constexpr int kWall = 0, kWindow = 8, kCabinet = 10, kTable = 15, kRug = 28, kBook = 67;  // ADE20K class numbers
 const Vec3f kFloorColor{0.6f, 0.5f, 0.4f}, kWallColor{0.8f, 0.8f, 0.7f}, kBookColor{0.5f, 0.1f, 0.6f};
 
 /// A corner of a room: a floor of 3 m x 2 m (y = 0, up is -y) and a wall of 1.6 m. The wall is at z = 1. A box is 25 cm
@@ -274,6 +274,51 @@ TEST_F(FillRemoved, AWindowStaysOpen) {
   }
   add_box();
   EXPECT_EQ(near(fill(), {0, -0.45, 1}), 0u);
+}
+
+/// Two legs of a table beyond the box, 74 cm apart, with nothing between them.
+TEST_F(FillRemoved, LegsAreNoPlate) {
+  add_floor();
+  for (const float side : {-0.37f, 0.37f}) {
+    for (float x = side - 0.02f; x < side + 0.03f; x += 0.02f) {
+      for (float y = -0.5f; y < -0.02f; y += 0.02f)
+        small_room::add_gaussian(model_, {x, y, 0.8f}, {0, 0, -1}, kFloorColor, kTable);
+    }
+  }
+  add_box();
+  cameras_.clear();
+  for (const SupportPatch& patch : fill()) {
+    for (const uint32_t source : patch.sources) EXPECT_NE(room_.labels.label[source], kTable);
+  }
+}
+
+/// The front of a cabinet behind the box and beside it.
+TEST_F(FillRemoved, AHiddenSideOfAThingGoesWhereItsColourIsForeign) {
+  add_floor();
+  const Vec3f brown{0.5f, 0.35f, 0.2f};
+  for (float x = -0.1f; x < 1; x += 0.03f) {
+    for (float y = -0.34f; y < 0; y += 0.03f)
+      small_room::add_gaussian(model_, {x, y, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  }
+  const size_t like = model_.size();
+  small_room::add_gaussian(model_, {0.01f, -0.2f, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  const size_t foreign = model_.size();
+  small_room::add_gaussian(model_, {0, -0.2f, 0.9f}, {0, 0, -1}, kBookColor, kCabinet);
+  add_box();
+  fill();
+  EXPECT_EQ(debris_[foreign], 1);
+  EXPECT_EQ(debris_[like], 0);
+}
+
+TEST_F(FillRemoved, AColourThatNoPhotoShowsIsNoSource) {
+  add_floor();
+  for (float x = -0.3f; x < 0.3f; x += 0.02f)  // right behind the box, beyond its halo
+    small_room::add_gaussian(model_, {x, 0, 0.84f}, {0, -1, 0}, kBookColor, small_room::kFloor);
+  add_box();
+  for (const SupportPatch& patch : fill()) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i)
+      EXPECT_NEAR(base_color_of(patch.gaussians, i).y, kFloorColor.y, 0.05);
+  }
 }
 
 TEST_F(FillRemoved, WithoutSurfacesNothingIsMade) {
