@@ -7,15 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "edit/fill/carrying_classes.h"
 #include "gaussians/gaussian_geometry.h"
 #include "gaussians/instances.h"
 
 namespace aligngs {
 namespace {
 
-/// Classes that photos take for each other: a piece of one of them joins an object of another. Lamps stand alone here;
-/// furniture has pieces of its own class besides.
+/// Furniture that has a foot, legs or floors of its own. A stove above an oven is two things, and so are two cabinets.
+constexpr const char* kWithPieces[] = {"bed", "sofa", "stool", "table", "coffee table", "desk", "bookcase"};
+/// Classes that photos take for each other: a piece of one of them joins an object of another.
 const std::vector<std::vector<const char*>> kAlike = {{"lamp", "light", "sconce", "chandelier"},
                                                       {"chair", "armchair", "swivel chair"}};
 
@@ -98,11 +98,12 @@ class PieceSearch {
   Vec3d u_, v_;  ///< horizontal
 };
 
-/// For each class the class that stands for those like it; kNoLabel for classes without pieces.
+/// For each class the first one of those like it; kNoLabel for classes without pieces.
 std::vector<uint16_t> kinds_with_pieces(const LabelSet& labels) {
-  std::vector<uint16_t> out;
-  for (const CarryingClass& c : carrying_classes(labels))
-    out.push_back(c.furniture ? static_cast<uint16_t>(out.size()) : kNoLabel);
+  std::vector<uint16_t> out(labels.classes.size(), kNoLabel);
+  for (const char* name : kWithPieces) {
+    if (const int index = labels.find(name); index >= 0) out[static_cast<size_t>(index)] = static_cast<uint16_t>(index);
+  }
   for (const std::vector<const char*>& alike : kAlike) {
     const int first = labels.find(alike.front());
     for (const char* name : alike) {

@@ -22,8 +22,8 @@ struct ObjectPieceSettings {
 };
 
 /// An object that is smaller than another one of its class, and is right above, below or within it, becomes a part of
-/// it. Only furniture and lamps have such pieces: books and pictures of equal class lie above each other, too. Kinds of
-/// lamps count as one class, and so do kinds of chairs. Two kinds that touch are two names for one thing. Numbers of other
+/// it. Only lamps and some furniture have such pieces: books, pictures and cabinets of equal class lie above each other,
+/// too. Kinds of lamps count as one class, and so do kinds of chairs. Two kinds that touch are two names for one thing. Numbers of other
 /// objects do not change. Without an up direction nothing happens. Returns how many objects have joined.
 size_t join_object_pieces(LabelledGaussians& room, const LabelSet& labels, const std::optional<Vec3d>& up,
                           const ObjectPieceSettings& settings = {});
