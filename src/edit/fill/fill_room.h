@@ -1,4 +1,4 @@
-// What all steps of a fill ask of the room and of what goes from it.
+// The room of a fill and what goes from it, as all steps of a fill ask for them.
 #pragma once
 
 #include <cstdint>
@@ -51,8 +51,8 @@ struct FillRoom {
   /// Furniture, also where nobody saw its legs.
   bool rests_on(const std::vector<uint8_t>& part, const RoomPlane& plane) const;
   bool lies_on(const Vec3d& place, const RoomPlane& plane) const;
-  /// Carriers of a surface farther from the removed object than a share of the extent, and those near it only where a
-  /// photo shows them; all where too few are left.
+  /// Carriers of a surface farther from the removed object than a share of the extent. Near it they count only where a
+  /// photo shows them. All count where too few are left.
   std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers, double halo) const;
   /// Edge of a cell for a surface, scene units: the spacing of its Gaussians.
   double cell_of(const std::vector<uint32_t>& carriers) const;

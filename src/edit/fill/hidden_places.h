@@ -22,8 +22,8 @@ class HiddenPlaces {
   bool from_most(const Vec3d& place) const;
   /// Some photo shows it.
   bool is_shown(const Vec3d& place) const;
-  /// At least as many photos look at the place past everything as the removed objects keep from it. What has no surface
-  /// there is open: those photos looked through it.
+  /// At least as many photos look at the place past everything as the removed objects keep from it. Without a surface
+  /// there, those photos looked through it.
   bool is_open(const Vec3d& place) const;
 
  private:
