@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "edit/mesh_rows.h"
+#include "edit/object_pieces.h"
 #include "edit/room_up.h"
 #include "edit/shell_labels.h"
 #include "gaussians/gaussian_ply.h"
@@ -57,6 +58,7 @@ EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
   room.up = up_of_room(run.scene, room.gaussians);
   for (const int view : run.scene.train) room.cameras.push_back(run.working_camera(view));
   correct_shell_labels(room.gaussians, room.labels, room.cameras, pool);
+  join_object_pieces(room.gaussians, room.labels, room.up);
   room.origins.reserve(room.gaussians.model.size());
   for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false, i});
   const fs::path mesh = run.folder / "mesh" / "mesh.ply";

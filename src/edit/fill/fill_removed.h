@@ -27,6 +27,7 @@ struct FillSettings {
   double tolerance = 0.010;  ///< distance from a plane within which a Gaussian lies on it (3 cm)
   double overhang = 0.12;    ///< the floor is in the shade of parts that are no higher above it (36 cm)
   double halo = 0.013;       ///< colours nearer to the removed object are not used: its shade and its blur (4 cm)
+  double unsure = 0.15;      ///< this near to it, only colours that some photo shows are used (45 cm)
   double shade = 0.06;       ///< an object's shade reaches this far on a surface (18 cm)
   float shaded = 0.85f;      ///< brightness of a shade, relative to the dark colours of the surface farther off
   double beside = 0.02;      ///< debris is this near to the object (6 cm)
@@ -37,6 +38,7 @@ struct FillSettings {
   double cube = 0.013;                        ///< edge of the cubes that tell what hides what (4 cm)
   float covered = 0.6f;                       ///< accumulated opacity of a place that has a surface
   float thin = 2;       ///< accumulated opacity below which the black behind the room shines through
+  double plate = 0.5;   ///< share of the shown part of a furniture's rectangle that has a surface: legs are no plate
   float shadow = 0.2f;  ///< accumulated opacity of a place that the object covers
 };
 

@@ -3,13 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "edit/small_room_for_tests.h"
 
 namespace aligngs {
 namespace {
 
-constexpr int kWall = 0, kWindow = 8, kRug = 28, kBook = 67;  // ADE20K class numbers
+constexpr int kWall = 0, kWindow = 8, kCabinet = 10, kTable = 15, kRug = 28, kBook = 67;  // ADE20K class numbers
 const Vec3f kFloorColor{0.6f, 0.5f, 0.4f}, kWallColor{0.8f, 0.8f, 0.7f}, kBookColor{0.5f, 0.1f, 0.6f};
 
 /// A corner of a room: a floor of 3 m x 2 m (y = 0, up is -y) and a wall of 1.6 m. The wall is at z = 1. A box is 25 cm
@@ -36,6 +37,16 @@ class FillRemoved : public testing::Test {
         if (!under && !is_behind_box(x, 0, z))
           small_room::add_gaussian(model_, {x, 0, z}, {0, -1, 0}, kFloorColor, small_room::kFloor);
       }
+    }
+  }
+  /// A floor whose colour is a function of x and z.
+  template <class Color>
+  void color_floor(const Color& color) {
+    add_floor();
+    for (size_t i = 0; i < model_.size(); ++i) {
+      const Vec3f c = color(model_.positions[3 * i], model_.positions[3 * i + 2]);
+      for (size_t a = 0; a < 3; ++a)
+        model_.sh[3 * kShCoefficients * i + a] = (c[static_cast<int>(a)] - 0.5f) / static_cast<float>(kSh0);
     }
   }
   void add_wall(float hole_low = 9, float hole_high = 9) {
@@ -274,6 +285,93 @@ TEST_F(FillRemoved, AWindowStaysOpen) {
   }
   add_box();
   EXPECT_EQ(near(fill(), {0, -0.45, 1}), 0u);
+}
+
+/// Two legs of a table beyond the box, 74 cm apart, with nothing between them.
+TEST_F(FillRemoved, LegsAreNoPlate) {
+  add_floor();
+  for (const float side : {-0.37f, 0.37f}) {
+    for (float x = side - 0.02f; x < side + 0.03f; x += 0.02f) {
+      for (float y = -0.5f; y < -0.02f; y += 0.02f)
+        small_room::add_gaussian(model_, {x, y, 0.8f}, {0, 0, -1}, kFloorColor, kTable);
+    }
+  }
+  add_box();
+  cameras_.clear();
+  for (const SupportPatch& patch : fill()) {
+    for (const uint32_t source : patch.sources) EXPECT_NE(room_.labels.label[source], kTable);
+  }
+}
+
+/// The front of a cabinet behind the box and beside it.
+TEST_F(FillRemoved, AHiddenSideOfAThingGoesWhereItsColourIsForeign) {
+  add_floor();
+  const Vec3f brown{0.5f, 0.35f, 0.2f};
+  for (float x = -0.1f; x < 1; x += 0.03f) {
+    for (float y = -0.34f; y < 0; y += 0.03f)
+      small_room::add_gaussian(model_, {x, y, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  }
+  const size_t like = model_.size();
+  small_room::add_gaussian(model_, {0.01f, -0.2f, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  const size_t foreign = model_.size();
+  small_room::add_gaussian(model_, {0, -0.2f, 0.9f}, {0, 0, -1}, kBookColor, kCabinet);
+  add_box();
+  fill();
+  EXPECT_EQ(debris_[foreign], 1);
+  EXPECT_EQ(debris_[like], 0);
+}
+
+TEST_F(FillRemoved, AColourThatNoPhotoShowsIsNoSource) {
+  add_floor();
+  for (float x = -0.3f; x < 0.3f; x += 0.02f)  // right behind the box, beyond its halo
+    small_room::add_gaussian(model_, {x, 0, 0.84f}, {0, -1, 0}, kBookColor, small_room::kFloor);
+  add_box();
+  for (const SupportPatch& patch : fill()) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i)
+      EXPECT_NEAR(base_color_of(patch.gaussians, i).y, kFloorColor.y, 0.05);
+  }
+}
+
+TEST_F(FillRemoved, StripesOfTheFloorContinueInPhase) {
+  constexpr float kPeriod = 0.24f;  // metres
+  const auto wave = [](float x) { return std::sin(2 * 3.14159265f * x / kPeriod); };
+  color_floor([&](float x, float) { return kFloorColor * (wave(x) > 0 ? 1.f : 0.6f); });
+  add_box();
+  cameras_.clear();
+  size_t right = 0, all = 0;
+  for (const SupportPatch& patch : fill()) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i) {
+      const float* p = &patch.gaussians.positions[3 * i];
+      if (std::abs(p[0]) > 0.18f || p[2] < 0.38f || p[2] > 0.72f || std::abs(wave(p[0])) < 0.7f) continue;
+      ++all;
+      right += (base_color_of(patch.gaussians, i).x > 0.8f * kFloorColor.x) == (wave(p[0]) > 0);
+    }
+  }
+  ASSERT_GT(all, 20u);
+  EXPECT_GT(static_cast<double>(right), 0.9 * static_cast<double>(all));
+}
+
+/// Squares of 12 cm, dark or bright at random.
+TEST_F(FillRemoved, WhatHasNoPatternContinuesEvenly) {
+  const auto is_dark = [](float x, float z) {
+    const uint32_t i = static_cast<uint32_t>((x + 9) / 0.12f), j = static_cast<uint32_t>((z + 9) / 0.12f);
+    uint32_t hash = (i * 73856093u) ^ (j * 19349663u);
+    for (int round = 0; round < 3; ++round) hash = (hash ^ (hash >> 15)) * 2246822519u;
+    return (hash >> 20 & 1u) != 0;
+  };
+  color_floor([&](float x, float z) { return kFloorColor * (is_dark(x, z) ? 0.6f : 1.f); });
+  add_box();
+  cameras_.clear();
+  size_t made = 0;
+  for (const SupportPatch& patch : fill()) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i) {
+      const float* p = &patch.gaussians.positions[3 * i];
+      if (std::abs(p[0]) > 0.1f || p[2] < 0.45f || p[2] > 0.65f) continue;
+      ++made;
+      EXPECT_NEAR(base_color_of(patch.gaussians, i).x, 0.8f * kFloorColor.x, 0.1);
+    }
+  }
+  EXPECT_GT(made, 10u);
 }
 
 TEST_F(FillRemoved, WithoutSurfacesNothingIsMade) {

@@ -20,13 +20,19 @@ class HiddenPlaces {
   bool from_all(const Vec3d& place) const;
   /// They hid it from more photos than show it: a photo or two may look past an object's edge.
   bool from_most(const Vec3d& place) const;
+  /// Some photo shows it.
+  bool is_shown(const Vec3d& place) const;
+  /// At least as many photos look at the place past everything as the removed objects keep from it. Without a surface
+  /// there, those photos looked through it.
+  bool is_open(const Vec3d& place) const;
 
  private:
   struct Views {
-    /// photos whose view of the place the removed objects block, and those that show it; not counted without the former
+    /// photos whose view of the place the removed objects block, and those that show it; without the former the latter are
+    /// counted on demand only
     int hidden = 0, free = 0;
   };
-  Views views_of(const Vec3d& place) const;
+  Views views_of(const Vec3d& place, bool always_free = false) const;
 
   const std::vector<Camera>& cameras_;
   SolidSpace removed_, rest_;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "edit/small_room_for_tests.h"
 
@@ -57,6 +58,34 @@ TEST_F(HiddenPlacesTest, APhotoThatLooksElsewhereSaysNothing) {
 TEST_F(HiddenPlacesTest, WhatStaysBlocksPhotosToo) {
   std::fill(selected_.begin(), selected_.end(), uint8_t(0));
   EXPECT_FALSE(places().from_all({0, 0, 2})) << "the screen is not removed";
+}
+
+TEST_F(HiddenPlacesTest, APlaceIsOpenWhereAsManyPhotosLookPast) {
+  EXPECT_FALSE(places().is_open({0, 0, 2}));
+  EXPECT_TRUE(places().is_open({0.8, 0, 2})) << "beside the screen";
+  cameras_ = {camera_at(0, -1), camera_at(2, -1)};
+  EXPECT_TRUE(places().is_open({0, 0, 2})) << "one of two photos looks past the screen";
+}
+
+TEST_F(HiddenPlacesTest, APlaceOutsideOfAllPicturesIsNotOpen) { EXPECT_FALSE(places().is_open({8, 0, 2})); }
+
+TEST_F(HiddenPlacesTest, AnotherThingHidesAPlace) {
+  EXPECT_FALSE(places().is_shown({0, 0, 2}));
+  std::fill(selected_.begin(), selected_.end(), uint8_t(0));
+  EXPECT_FALSE(places().is_shown({0, 0, 2})) << "the screen stays and hides it all the same";
+  EXPECT_TRUE(places().is_shown({0.8, 0, 2}));
+}
+
+TEST_F(HiddenPlacesTest, AFewLargeGaussiansHaveNoGaps) {
+  model_ = GaussianModel();
+  for (float x = -0.3f; x <= 0.3f; x += 0.12f) {
+    for (float y = -0.3f; y <= 0.3f; y += 0.12f) {
+      small_room::add_gaussian(model_, {x, y, 1}, {0, 0, -1}, {0.5f, 0.5f, 0.5f}, -1);
+      for (size_t a = 0; a < 2; ++a) model_.log_scales[model_.log_scales.size() - 3 + a] = std::log(0.08f);
+    }
+  }
+  selected_.assign(model_.size(), 1);
+  for (double x = -0.4; x <= 0.4; x += 0.02) EXPECT_TRUE(places().from_all({x, 0.1, 2})) << x;
 }
 
 }  // namespace

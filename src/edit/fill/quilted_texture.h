@@ -1,4 +1,4 @@
-// A texture where nobody saw it, from pieces of the surface around: for wallpaper, wood and stone that never repeat.
+// A texture where nobody saw it, from pieces of the surface around.
 #pragma once
 
 #include <cstdint>

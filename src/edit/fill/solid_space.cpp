@@ -13,6 +13,27 @@ constexpr float kSolid = 0.3f;     ///< opacity of a Gaussian that is part of a 
 constexpr int kMostCubes = 256;    ///< per side: 16 MB in all
 constexpr double kOwnCubes = 2.5;  ///< before the place: a surface seen at a slant does not hide itself
 
+/// Places of a Gaussian's disc, at most half a cube apart: a surface of few large Gaussians has no gaps for a ray.
+void add_disc(const GaussianModel& model, size_t row, double cube, std::vector<Vec3d>& points) {
+  constexpr double kSpan = 1.0;  // standard deviations
+  constexpr int kMostSteps =
+      6;  // on either side of the middle: larger Gaussians are blurs of a surface nobody saw well
+  const float* q = &model.rotations[4 * row];
+  const Mat3d axes = rotation_matrix(normalized(Quaterniond{q[0], q[1], q[2], q[3]}));
+  const Vec3d centre = position_of(model, row);
+  int steps[3];
+  for (int a = 0; a < 3; ++a) {
+    const double span = kSpan * std::exp(static_cast<double>(model.log_scales[3 * row + static_cast<size_t>(a)]));
+    steps[a] = std::min(kMostSteps, static_cast<int>(span / (0.5 * cube)));
+  }
+  for (int i = -steps[0]; i <= steps[0]; ++i) {
+    for (int j = -steps[1]; j <= steps[1]; ++j) {
+      for (int k = -steps[2]; k <= steps[2]; ++k)
+        points.push_back(centre + axes * (Vec3d{1.0 * i, 1.0 * j, 1.0 * k} * (0.5 * cube)));
+    }
+  }
+}
+
 }  // namespace
 
 SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& selected, double cube) : cube_(cube) {
@@ -21,10 +42,12 @@ SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& s
   low_ = {1e300, 1e300, 1e300};
   for (size_t i = 0; i < selected.size(); ++i) {
     if (!selected[i] || opacity_of(model, i) < kSolid) continue;
-    points.push_back(position_of(model, i));
+    add_disc(model, i, cube, points);
+  }
+  for (const Vec3d& p : points) {
     for (int a = 0; a < 3; ++a) {
-      low_[a] = std::min(low_[a], points.back()[a]);
-      high[a] = std::max(high[a], points.back()[a]);
+      low_[a] = std::min(low_[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
     }
   }
   if (points.empty()) return;

@@ -51,4 +51,13 @@ bool Stains::is_stain(size_t row, const Surface& surface) const {
   return (beside && least_distance > settings_.unlike) || (shaded && brightness(color) < settings_.shaded * *dark);
 }
 
+bool Stains::is_foreign(size_t row, const Surface& surface) const {
+  const Vec3f color = base_color_of(room_.model, row);
+  std::vector<PointTree::Neighbour> near;
+  surface.tree.nearest(position_of(room_.model, row).cast<float>(), kAround, near);
+  return std::none_of(near.begin(), near.end(), [&](const PointTree::Neighbour& n) {
+    return norm(color - base_color_of(room_.model, surface.rows[n.index])) <= settings_.unlike;
+  });
+}
+
 }  // namespace aligngs

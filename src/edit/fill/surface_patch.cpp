@@ -18,7 +18,6 @@ constexpr double kLight = 0.12;        // / extent: light varies over longer way
 constexpr double kMeanWidth = 0.7;     // of a Gaussian in its disc, relative to its longest axis
 constexpr double kNarrowest = 0.5;     // cells: a pixel's width is in every splat
 constexpr double kPiece = 0.12;        // / extent: edge of a piece of texture (36 cm)
-constexpr float kStrength = 1;         // of pieces that are like the surface, and are not the surface that was there
 constexpr double kTextureReach = 0.6;  // / extent: the longest shift of a pattern on itself (1.8 m)
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
@@ -67,7 +66,8 @@ std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid
   return known;
 }
 
-/// Texture of the cells of a hole, and of the known cells as far as a pattern predicts them; empty for an even surface.
+/// Texture of the cells of a hole, and of the known cells as far as a pattern predicts them; empty without a
+/// pattern.
 std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
                                 const std::vector<KnownColor>& known) {
   TextureMapSettings map_settings;
@@ -77,6 +77,8 @@ std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& 
   TextureSettings settings;
   settings.reach = static_cast<int>(kTextureReach * room.extent / grid.cell);
   std::vector<Vec3f> texture = repeated_texture(map, settings);
+  // Pieces without a pattern that guides them are blotches: an even surface is nearer to the truth, and looks calmer.
+  if (texture.empty()) return {};
   QuiltSettings quilt;
   quilt.piece = std::max(8, static_cast<int>(kPiece * room.extent / grid.cell));
   quilt.overlap = quilt.piece / 3;
@@ -84,7 +86,7 @@ std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& 
   if (pieces.empty()) return texture;
   texture.resize(grid.size());
   for (size_t at = 0; at < texture.size(); ++at) {
-    if (hole[at]) texture[at] = pieces[at] * kStrength;
+    if (hole[at]) texture[at] = pieces[at];
   }
   return texture;
 }

@@ -1,0 +1,98 @@
+#include "edit/fill/debris.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "edit/fill/footprint.h"
+#include "gaussians/gaussian_geometry.h"
+
+namespace aligngs {
+namespace {
+
+/// Floor under the removed objects: photos saw it in their shade, if at all.
+Footprint footprint(const FillRoom& r, const RoomPlane& plane) {
+  std::vector<uint32_t> rows;
+  for (const std::vector<uint8_t>& part : r.parts) {
+    if (!r.rests_on(part, plane)) continue;
+    for (uint32_t i = 0; i < part.size(); ++i) {
+      const double height = dot(plane.normal, position_of(r.room.model, i)) - plane.offset;
+      if (part[i] && std::fabs(height) < r.settings.overhang * r.extent) rows.push_back(i);
+    }
+  }
+  return footprint_of(r.room.model, rows, plane, r.settings.cell_min * r.extent, r.settings.shadow);
+}
+
+/// Gaussians of a removed object that its selection leaves out. Those on walls, floor and ceiling stay unless their
+/// colour is a stain there: they are of that surface.
+std::vector<uint8_t> leftovers(const FillRoom& r) {
+  std::vector<uint8_t> out(r.room.model.size(), 0);
+  for (size_t i = 0; i < out.size(); ++i) {
+    if (r.input.selected[i] || !r.taken.holds_row(i)) continue;
+    const Vec3d place = position_of(r.room.model, i);
+    out[i] =
+        std::none_of(r.planes.begin(), r.planes.end(), [&](const RoomPlane& plane) { return r.lies_on(place, plane); });
+  }
+  return out;
+}
+
+const RoomPlane* nearest_plane(const FillRoom& r, const Vec3d& place, PlaneKind kind) {
+  const RoomPlane* best = nullptr;
+  double least = 1e300;
+  for (const RoomPlane& plane : r.planes) {
+    const double distance = std::fabs(dot(plane.normal, place) - plane.offset);
+    if (plane.kind != kind || distance >= least) continue;
+    least = distance;
+    best = &plane;
+  }
+  return best;
+}
+
+/// Gaussians that only the object hid. Those of walls, floor and ceiling go. Those of things go where the rest of the
+/// thing has no such colour: its unseen side has mostly the colour of the seen one.
+void mark_unseen(const FillRoom& r, std::vector<uint8_t>& debris) {
+  std::vector<uint8_t> unseen(debris.size(), 0);
+  r.for_each(debris.size(), [&](size_t i) {
+    unseen[i] = !r.input.selected[i] && !debris[i] && r.hidden.from_all(position_of(r.room.model, i));
+  });
+  std::map<std::pair<uint16_t, uint16_t>, std::vector<uint32_t>> shown, hidden;  // rows of each thing
+  for (uint32_t i = 0; i < debris.size(); ++i) {
+    const uint16_t label = r.room.labels.label[i];
+    if (unseen[i]) hidden[{label, r.room.labels.instance[i]}].push_back(i);
+    if (!unseen[i] && !debris[i] && !r.input.selected[i]) shown[{label, r.room.labels.instance[i]}].push_back(i);
+  }
+  for (const auto& [thing, rows] : hidden) {
+    const bool has_class = thing.first < r.classes.size();
+    if (has_class && r.classes[thing.first].shell != PlaneKind::kNone) {
+      for (const uint32_t i : rows) debris[i] = 1;
+      continue;
+    }
+    const Stains::Surface surface = r.stains.surface_of(shown[thing]);
+    r.for_each(rows.size(), [&](size_t k) { debris[rows[k]] = r.stains.is_foreign(rows[k], surface); });
+  }
+}
+
+}  // namespace
+
+std::vector<uint8_t> find_debris(const FillRoom& r) {
+  std::vector<uint8_t> debris = leftovers(r);
+  for (const RoomPlane& plane : r.planes) {
+    const Stains::Surface surface = r.stains.surface_of(r.clean(plane.carriers, r.settings.shade));
+    const Footprint under = footprint(r, plane);
+    r.for_each(debris.size(), [&](size_t i) {
+      const uint16_t label = r.room.labels.label[i];
+      if (r.input.selected[i] || debris[i] || label == kNoLabel || label >= r.classes.size()) return;
+      const Vec3d place = position_of(r.room.model, i);
+      const bool is_rug = r.classes[label].on_floor && plane.kind == PlaneKind::kFloor;
+      if (is_rug && under.holds(place)) debris[i] = 1;
+      if (r.classes[label].shell != plane.kind && !(r.taken.holds_row(i) && r.lies_on(place, plane))) return;
+      if (nearest_plane(r, place, plane.kind) != &plane) return;
+      debris[i] = under.holds(place) || r.stains.is_stain(i, surface);
+    });
+  }
+  mark_unseen(r, debris);
+  return debris;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,166 @@
+#include "edit/object_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "gaussians/gaussian_geometry.h"
+#include "gaussians/instances.h"
+
+namespace aligngs {
+namespace {
+
+/// Furniture that has a foot, legs or floors of its own. A stove above an oven is two things, and so are two cabinets.
+constexpr const char* kWithPieces[] = {"bed", "sofa", "stool", "table", "coffee table", "desk", "bookcase"};
+/// Classes that photos take for each other: a piece of one of them joins an object of another.
+const std::vector<std::vector<const char*>> kAlike = {{"lamp", "light", "sconce", "chandelier"},
+                                                      {"chair", "armchair", "swivel chair"}};
+
+struct Piece {
+  uint16_t label = kNoLabel, instance = 0;  ///< those of the object that it is a part of
+  std::vector<uint32_t> rows;
+};
+
+struct PieceBox {
+  double low[2] = {0, 0}, high[2] = {0, 0};
+  bool holds(double u, double v, double margin) const {
+    return u > low[0] - margin && u < high[0] + margin && v > low[1] - margin && v < high[1] + margin;
+  }
+};
+
+class PieceSearch {
+ public:
+  PieceSearch(const LabelledGaussians& room, const Vec3d& up, const ObjectPieceSettings& settings)
+      : room_(room), settings_(settings) {
+    u_ = normalized(cross(std::fabs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, up));
+    v_ = cross(up, u_);
+  }
+
+  /// Seen from above, without strays.
+  PieceBox outline(const std::vector<uint32_t>& rows) const {
+    PieceBox box;
+    const Vec3d axes[2] = {u_, v_};
+    for (int a = 0; a < 2; ++a) {
+      std::vector<double> values;
+      for (const uint32_t i : rows) values.push_back(dot(axes[a], position_of(room_.model, i)));
+      std::sort(values.begin(), values.end());
+      const size_t stray = static_cast<size_t>(settings_.strays * static_cast<double>(values.size()));
+      box.low[a] = values[stray];
+      box.high[a] = values[values.size() - 1 - stray];
+    }
+    return box;
+  }
+  /// Share of the piece in the vertical column of an outline.
+  double share_within(const std::vector<uint32_t>& piece, const PieceBox& box) const {
+    const auto count = std::count_if(piece.begin(), piece.end(), [&](uint32_t i) {
+      const Vec3d p = position_of(room_.model, i);
+      return box.holds(dot(u_, p), dot(v_, p), settings_.outside * room_.extent);
+    });
+    return static_cast<double>(count) / static_cast<double>(piece.size());
+  }
+  /// From a share of the nearest Gaussians of the piece to the object, scene units.
+  double gap(const std::vector<uint32_t>& piece, const PointTree& object, double share) const {
+    std::vector<PointTree::Neighbour> near;
+    std::vector<float> distances;
+    for (const uint32_t i : piece) {
+      object.nearest(position_of(room_.model, i).cast<float>(), 1, near);
+      distances.push_back(near.front().distance);
+    }
+    const size_t rank = static_cast<size_t>(share * static_cast<double>(distances.size()));
+    const auto at = distances.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(distances.begin(), at, distances.end());
+    return static_cast<double>(*at);
+  }
+  /// Distance of a piece from the object that it belongs to; empty where it is a thing of its own.
+  std::optional<double> distance(const Piece& piece, const Piece& object, const PointTree& tree) const {
+    constexpr double kHalf = 0.5;
+    const double gap_here = gap(piece.rows, tree, settings_.nearest);
+    const bool is_small =
+        static_cast<double>(piece.rows.size()) <= settings_.most * static_cast<double>(object.rows.size());
+    const bool in_column = is_small && gap_here < settings_.gap * room_.extent &&
+                           share_within(piece.rows, outline(object.rows)) >= settings_.column;
+    const bool touches = piece.label != object.label && gap_here < settings_.touch * room_.extent &&
+                         gap(piece.rows, tree, kHalf) < settings_.thick * room_.extent;
+    return in_column || touches ? std::optional<double>(gap_here) : std::nullopt;
+  }
+  PointTree tree_of(const std::vector<uint32_t>& rows) const {
+    std::vector<Vec3f> points;
+    for (const uint32_t i : rows) points.push_back(position_of(room_.model, i).cast<float>());
+    return PointTree(std::move(points));
+  }
+
+ private:
+  const LabelledGaussians& room_;
+  const ObjectPieceSettings& settings_;
+  Vec3d u_, v_;  ///< horizontal
+};
+
+/// For each class the first one of those like it; kNoLabel for classes without pieces.
+std::vector<uint16_t> kinds_with_pieces(const LabelSet& labels) {
+  std::vector<uint16_t> out(labels.classes.size(), kNoLabel);
+  for (const char* name : kWithPieces) {
+    if (const int index = labels.find(name); index >= 0) out[static_cast<size_t>(index)] = static_cast<uint16_t>(index);
+  }
+  for (const std::vector<const char*>& alike : kAlike) {
+    const int first = labels.find(alike.front());
+    for (const char* name : alike) {
+      const int index = labels.find(name);
+      if (index >= 0) out[static_cast<size_t>(index)] = static_cast<uint16_t>(first >= 0 ? first : index);
+    }
+  }
+  return out;
+}
+
+/// The objects of each kind, the largest first.
+std::map<uint16_t, std::vector<Piece>> pieces_of(const LabelledGaussians& room, const std::vector<uint16_t>& kinds) {
+  std::map<std::pair<uint16_t, uint16_t>, std::vector<uint32_t>> objects;
+  for (uint32_t i = 0; i < room.model.size(); ++i) {
+    const uint16_t label = room.labels.label[i], instance = room.labels.instance[i];
+    if (label < kinds.size() && kinds[label] != kNoLabel && instance) objects[{label, instance}].push_back(i);
+  }
+  std::map<uint16_t, std::vector<Piece>> out;
+  for (auto& [name, rows] : objects) out[kinds[name.first]].push_back({name.first, name.second, std::move(rows)});
+  for (auto& [kind, pieces] : out) {
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](const Piece& a, const Piece& b) { return a.rows.size() > b.rows.size(); });
+  }
+  return out;
+}
+
+}  // namespace
+
+size_t join_object_pieces(LabelledGaussians& room, const LabelSet& labels, const std::optional<Vec3d>& up,
+                          const ObjectPieceSettings& settings) {
+  if (!up || !room.has_labels()) return 0;
+  const PieceSearch search(room, *up, settings);
+  size_t joined = 0;
+  for (auto& [kind, pieces] : pieces_of(room, kinds_with_pieces(labels))) {
+    std::vector<PointTree> trees;
+    for (size_t k = 0; k < pieces.size(); ++k) {
+      Piece& piece = pieces[k];
+      trees.push_back(search.tree_of(piece.rows));
+      const Piece* best = nullptr;
+      double least = std::numeric_limits<double>::infinity();
+      for (size_t o = 0; o < k; ++o) {
+        const std::optional<double> distance = search.distance(piece, pieces[o], trees[o]);
+        if (!distance || *distance >= least) continue;
+        least = *distance;
+        best = &pieces[o];
+      }
+      if (!best) continue;
+      piece.label = best->label;
+      piece.instance = best->instance;
+      for (const uint32_t i : piece.rows) {
+        room.labels.label[i] = piece.label;
+        room.labels.instance[i] = piece.instance;
+      }
+      ++joined;
+    }
+  }
+  return joined;
+}
+
+}  // namespace aligngs

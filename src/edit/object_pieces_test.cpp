@@ -1,0 +1,86 @@
+#include "edit/object_pieces.h"
+
+#include <gmock/gmock.h>
+
+#include "edit/small_room_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kChair = 19, kLamp = 36, kBook = 67, kSwivelChair = 75, kSconce = 134;  // ADE20K classes
+
+/// Boxes of Gaussians with classes and numbers in an otherwise empty room; up is -y.
+class ObjectPieces : public testing::Test {
+ protected:
+  ObjectPieces() {
+    room_.model.semantic_channels = 150;
+    room_.extent = small_room::kExtent;
+    room_.labels.label_set = ade20k_labels().name;
+  }
+  void add(const Vec3f& low, const Vec3f& high, int label, int number) {
+    TriangleMesh mesh;
+    small_room::add_box(room_.model, mesh, low, high, {0.5f, 0.5f, 0.5f}, label);
+    room_.labels.label.resize(room_.model.size(), static_cast<uint16_t>(label));
+    room_.labels.instance.resize(room_.model.size(), static_cast<uint16_t>(number));
+    room_.labels.confidence.resize(room_.model.size(), 255);
+  }
+  size_t join(const std::optional<Vec3d>& up = Vec3d{0, -1, 0}) {
+    return join_object_pieces(room_, ade20k_labels(), up);
+  }
+  std::vector<std::pair<int, int>> objects() const {
+    std::vector<std::pair<int, int>> out;
+    for (const Instance& o : list_instances(room_.model, room_.labels)) out.emplace_back(o.label, o.number);
+    return out;
+  }
+  LabelledGaussians room_;
+};
+
+using testing::ElementsAre;
+using testing::Pair;
+
+TEST_F(ObjectPieces, TheFootOfASwivelChairIsOfTheChair) {
+  add({-0.3f, -1.0f, -0.3f}, {0.3f, -0.4f, 0.3f}, kSwivelChair, 1);
+  add({-0.2f, -0.2f, -0.2f}, {0.2f, 0, 0.2f}, kSwivelChair, 2);  // 20 cm below the seat
+  EXPECT_EQ(join(), 1u);
+  EXPECT_THAT(objects(), ElementsAre(Pair(kSwivelChair, 1)));
+}
+
+TEST_F(ObjectPieces, AChairBesideAnotherOneStays) {
+  add({-0.3f, -1.0f, -0.3f}, {0.3f, -0.4f, 0.3f}, kSwivelChair, 1);
+  add({0.4f, -0.4f, -0.2f}, {0.8f, 0, 0.2f}, kSwivelChair, 2);
+  EXPECT_EQ(join(), 0u);
+}
+
+TEST_F(ObjectPieces, AThingFarBelowStays) {
+  add({-0.3f, -2.0f, -0.3f}, {0.3f, -1.4f, 0.3f}, kSwivelChair, 1);
+  add({-0.2f, -0.2f, -0.2f}, {0.2f, 0, 0.2f}, kSwivelChair, 2);  // 1.2 m below
+  EXPECT_EQ(join(), 0u);
+}
+
+TEST_F(ObjectPieces, AThingOfEqualSizeStays) {
+  add({-0.2f, -0.9f, -0.2f}, {0.2f, -0.5f, 0.2f}, kChair, 1);
+  add({-0.2f, -0.36f, -0.2f}, {0.2f, 0, 0.2f}, kChair, 2);
+  EXPECT_EQ(join(), 0u);
+}
+
+TEST_F(ObjectPieces, TwoNamesForOneLampAreOneLamp) {
+  add({-0.2f, -0.8f, -0.1f}, {0, -0.5f, 0.1f}, kLamp, 1);
+  add({0.02f, -0.8f, -0.1f}, {0.1f, -0.5f, 0.1f}, kSconce, 1);  // the front of its shade
+  EXPECT_EQ(join(), 1u);
+  EXPECT_THAT(objects(), ElementsAre(Pair(kLamp, 1)));
+}
+
+TEST_F(ObjectPieces, BooksAboveBooksStay) {
+  add({-0.3f, -1.0f, -0.3f}, {0.3f, -0.4f, 0.3f}, kBook, 1);
+  add({-0.2f, -0.2f, -0.2f}, {0.2f, 0, 0.2f}, kBook, 2);
+  EXPECT_EQ(join(), 0u);
+}
+
+TEST_F(ObjectPieces, WithoutAnUpDirectionNothingJoins) {
+  add({-0.3f, -1.0f, -0.3f}, {0.3f, -0.4f, 0.3f}, kSwivelChair, 1);
+  add({-0.2f, -0.2f, -0.2f}, {0.2f, 0, 0.2f}, kSwivelChair, 2);
+  EXPECT_EQ(join({}), 0u);
+}
+
+}  // namespace
+}  // namespace aligngs
