@@ -17,16 +17,12 @@
 #include "edit/object_parts.h"
 #include "edit/recolor.h"
 #include "edit/replace_object.h"
+#include "edit/row_flags.h"
 #include "edit/taken_objects.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs {
 namespace {
-
-std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {
-  for (uint8_t& f : flags) f = !f;
-  return flags;
-}
 
 void append_patch(EditableRoom& room, const SupportPatch& patch) {
   GaussianModel& m = room.gaussians.model;

@@ -7,12 +7,11 @@
 
 #include "edit/fill/carrying_classes.h"
 #include "edit/fill/plane_rectangle.h"
+#include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
-
-constexpr float kSolid = 0.3f;  ///< opacity of a Gaussian that is part of a surface
 
 using Column = std::pair<int, int>;
 
@@ -41,7 +40,8 @@ std::map<Column, std::vector<double>> heights_of(const LabelledGaussians& room, 
                                                  const Columns& columns) {
   std::map<Column, std::vector<double>> out;
   for (size_t i = 0; i < selected.size(); ++i) {
-    if (selected[i] && opacity_of(room.model, i) >= kSolid) out[columns.column_of(i)].push_back(columns.height_of(i));
+    if (selected[i] && opacity_of(room.model, i) >= kSolidOpacity)
+      out[columns.column_of(i)].push_back(columns.height_of(i));
   }
   for (auto& [column, heights] : out) std::sort(heights.begin(), heights.end());
   return out;
@@ -57,8 +57,8 @@ struct Top {
 /// Tops of the objects of which most is selected.
 std::vector<Top> tops_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected, const Columns& columns,
                          const std::vector<Instance>& objects) {
-  constexpr double kStrays = 0.02;  // share of an object's Gaussians that may be higher
-  constexpr size_t kFewest = 20;    // Gaussians that show how large a thing is
+  constexpr double kHighStrays = 0.02;  // share of an object's Gaussians that may be higher
+  constexpr size_t kFewest = 20;        // Gaussians that show how large a thing is
   std::vector<Top> tops;
   for (const Instance& o : objects) {
     std::vector<Vec2d> places;
@@ -68,13 +68,14 @@ std::vector<Top> tops_of(const LabelledGaussians& room, const std::vector<uint8_
       if (room.labels.label[i] != o.label || room.labels.instance[i] != o.number) continue;
       ++rows;
       taken += selected[i];
-      if (!selected[i] || opacity_of(room.model, i) < kSolid) continue;
+      if (!selected[i] || opacity_of(room.model, i) < kSolidOpacity) continue;
       const Column column = columns.column_of(i);
       places.push_back({column.first + 0.5, column.second + 0.5});
       heights.push_back(columns.height_of(i));
     }
     if (places.size() < kFewest || 2 * taken < rows) continue;
-    const auto high = heights.end() - 1 - static_cast<std::ptrdiff_t>(kStrays * static_cast<double>(heights.size()));
+    const auto high =
+        heights.end() - 1 - static_cast<std::ptrdiff_t>(kHighStrays * static_cast<double>(heights.size()));
     std::nth_element(heights.begin(), high, heights.end());
     tops.push_back({rectangle_of(places), *high});
   }
@@ -123,7 +124,7 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
         if (room.labels.label[i] != o.label || room.labels.instance[i] != o.number) continue;
         ++rows;
         taken += carried[i];
-        if (opacity_of(room.model, i) < kSolid) continue;
+        if (opacity_of(room.model, i) < kSolidOpacity) continue;
         const double height = columns.height_of(i);
         const auto [at, fresh] = lowest.emplace(columns.column_of(i), height);
         if (!fresh) at->second = std::min(at->second, height);

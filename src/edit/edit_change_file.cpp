@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kSchema = 1;
+constexpr int kChangeSchema = 1;
 constexpr int kGzipLevel = 1;  // 0.1 s for the largest edits of a room; higher levels save a tenth of the bytes
 constexpr uint64_t kLargest = uint64_t(8) << 30;  // bytes
 constexpr size_t kColorNumbers = size_t(3) * kShCoefficients;
@@ -100,7 +100,7 @@ void read_head(const Json& head, EditChange& change) {
 }
 
 Json head_of(const EditChange& change, const Counts& counts) {
-  Json head = {{"schema", kSchema},
+  Json head = {{"schema", kChangeSchema},
                {"number", change.number},
                {"base", fmt::format("{:016x}", change.base)},
                {"classes", change.classes},
@@ -207,7 +207,7 @@ EditChange decode_change(const std::string& bytes, const fs::path& name_for_erro
   EditChange change;
   Counts counts;
   try {
-    if (!head.is_object() || head.at("schema") != kSchema) refuse("schema", "schema 1 is expected");
+    if (!head.is_object() || head.at("schema") != kChangeSchema) refuse("schema", "schema 1 is expected");
     read_head(head, change);
     counts = counts_of(head.at("counts"));
   } catch (const std::logic_error&) {  // numbers that are none

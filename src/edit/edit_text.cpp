@@ -10,6 +10,7 @@
 #include "edit/color_names.h"
 #include "edit/inserted_object.h"
 #include "edit/motion_text.h"
+#include "edit/selection_words.h"
 
 namespace aligngs {
 namespace {
@@ -29,15 +30,10 @@ constexpr std::pair<std::string_view, size_t> kOrdinals[] = {
     {"last", 0},  {"latest", 0}, {"first", 1},   {"second", 2}, {"third", 3}, {"fourth", 4},
     {"fifth", 5}, {"sixth", 6},  {"seventh", 7}, {"eighth", 8}, {"ninth", 9}, {"tenth", 10}};
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
-
 /// Cuts `ending` off, whatever its case.
 bool take_ending(std::string& text, std::string_view ending) {
-  if (text.size() < ending.size() || lower(text).compare(text.size() - ending.size(), ending.size(), ending) != 0) {
+  if (text.size() < ending.size() ||
+      lower_case(text).compare(text.size() - ending.size(), ending.size(), ending) != 0) {
     return false;
   }
   text.resize(text.size() - ending.size());
@@ -62,7 +58,7 @@ std::string take_last_word(std::string& text) {
 /// "--threshold X" anywhere, or "(threshold X)" at the end.
 std::optional<std::string> take_threshold(std::string& text) {
   constexpr std::string_view kOption = "--threshold", kSpoken = "(threshold ";
-  size_t at = lower(text).find(kOption);
+  size_t at = lower_case(text).find(kOption);
   if (at != std::string::npos) {
     size_t begin = at + kOption.size();
     while (begin < text.size() && (text[begin] == ' ' || text[begin] == '=')) ++begin;
@@ -71,7 +67,7 @@ std::optional<std::string> take_threshold(std::string& text) {
     text.erase(at, end - at);
     return value;
   }
-  at = lower(text).rfind(kSpoken);
+  at = lower_case(text).rfind(kSpoken);
   if (at == std::string::npos || text.back() != ')') return {};
   const std::string value = text.substr(at + kSpoken.size(), text.size() - 1 - at - kSpoken.size());
   text.resize(at);
@@ -83,7 +79,7 @@ std::optional<bool> take_fill(std::string& text) {
   if (take_ending(text, kHoleFilled)) return true;
   if (take_ending(text, kHoleLeftOpen)) return false;
   for (const auto& [option, value] : {std::pair<std::string_view, bool>{"--no-fill", false}, {"--fill", true}}) {
-    const size_t at = lower(text).find(option);
+    const size_t at = lower_case(text).find(option);
     if (at == std::string::npos) continue;
     text.erase(at, option.size());
     return value;
@@ -97,7 +93,7 @@ bool take_contents(std::string& text) {
     if (take_ending(text, ending)) return true;
   }
   constexpr std::string_view kOption = "--with-contents";
-  const size_t at = lower(text).find(kOption);
+  const size_t at = lower_case(text).find(kOption);
   if (at == std::string::npos) return false;
   text.erase(at, kOption.size());
   return true;
@@ -124,7 +120,7 @@ void read_source(EditOperation& edit, std::string& text) {
   constexpr std::string_view kWith = " with ";
   size_t at = text.find(kWith);
   while (at != std::string::npos &&
-         lower(text).compare(at, kWithContents.size() + 1, std::string(kWithContents) + " ") == 0)
+         lower_case(text).compare(at, kWithContents.size() + 1, std::string(kWithContents) + " ") == 0)
     at = text.find(kWith, at + kWith.size());
   if (at == std::string::npos) {
     throw_usage("the replacement has no object",
@@ -133,7 +129,7 @@ void read_source(EditOperation& edit, std::string& text) {
   edit.with = text.substr(at + kWith.size());
   text.resize(at);
   const auto take_value = [&](std::string_view before) -> std::optional<std::string> {
-    const size_t place = lower(edit.with).rfind(before);
+    const size_t place = lower_case(edit.with).rfind(before);
     if (place == std::string::npos) return {};
     std::string value = edit.with.substr(place + before.size());
     edit.with.resize(place);
@@ -178,7 +174,7 @@ std::vector<std::string> edit_verbs() {
 }
 
 EditRequest parse_request(std::string_view given) {
-  std::string text = lower(given.substr(0, kLongestEdit));
+  std::string text = lower_case(given.substr(0, kLongestEdit));
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
   trim(text);
@@ -204,10 +200,10 @@ EditOperation parse_edit(std::string_view given) {
   trim(text);
   while (!text.empty() && (text.back() == '.' || text.back() == '!')) text.pop_back();
   constexpr std::string_view kPlease = "please ";
-  if (lower(text).rfind(kPlease, 0) == 0) text.erase(0, kPlease.size());
+  if (lower_case(text).rfind(kPlease, 0) == 0) text.erase(0, kPlease.size());
   trim(text);
   const size_t verb_end = std::min(text.find(' '), text.size());
-  std::string verb = lower(text.substr(0, verb_end));
+  std::string verb = lower_case(text.substr(0, verb_end));
   if (verb.rfind("--", 0) == 0) verb.erase(0, 2);
   const auto* known =
       std::find_if(std::begin(kVerbs), std::end(kVerbs), [&](const auto& v) { return v.first == verb; });

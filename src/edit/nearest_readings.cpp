@@ -10,8 +10,8 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kReadings = 3;
-constexpr std::ptrdiff_t kMostWords = 4;  // of a name
-constexpr size_t kLongestSentence = 200;  // bytes; longer ones are no slip of the fingers
+constexpr std::ptrdiff_t kMostNameWords = 4;  // of a name
+constexpr size_t kLongestSentence = 200;      // bytes; longer ones are no slip of the fingers
 
 bool is_known_verb(const std::string& word) {
   const std::vector<std::string> verbs = edit_verbs();
@@ -59,7 +59,7 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
     for (const size_t end : ends) {
       if (end <= begin) continue;
       if (std::count(object.begin() + static_cast<std::ptrdiff_t>(begin),
-                     object.begin() + static_cast<std::ptrdiff_t>(end), ' ') >= kMostWords)
+                     object.begin() + static_cast<std::ptrdiff_t>(end), ' ') >= kMostNameWords)
         continue;
       const std::string words = object.substr(begin, end - begin), name = words.substr(0, words.find('#'));
       for (const std::string& known : vocabulary.suggestions(name, kReadings)) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kLongestText = 4096;  // bytes: hundreds of names
 constexpr int kMostNumbers = 1000;     // objects of one range
-constexpr const char* kExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
+constexpr const char* kSelectionExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
 
 /// "pillow 2" for "pillow#2": the number, where the words before it are a name.
 std::string_view take_spoken_number(std::string_view& item, const Vocabulary& vocabulary) {
@@ -74,7 +74,7 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
                 bool* everything) {
   while (true) {
     item = trimmed(item);
-    if (item.empty()) throw_usage("a selection has an empty item", kExample);
+    if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
     const size_t conjunction = vocabulary.find(item) ? std::string_view::npos : find_word(item, "and", 1);
     const std::string_view first = trimmed(item.substr(0, conjunction));
     if (everything && is_everything(first) && !vocabulary.find(first)) {
@@ -132,10 +132,10 @@ void sort_terms(std::vector<SelectionTerm>& terms) {
 }  // namespace
 
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary) {
-  if (text.size() > kLongestText) throw_usage("the selection is longer than 4096 bytes", kExample);
-  if (text.find('\0') != std::string_view::npos) throw_usage("the selection holds a zero byte", kExample);
+  if (text.size() > kLongestText) throw_usage("the selection is longer than 4096 bytes", kSelectionExample);
+  if (text.find('\0') != std::string_view::npos) throw_usage("the selection holds a zero byte", kSelectionExample);
   text = trimmed(text);
-  if (text.empty()) throw_usage("nothing is selected", kExample);
+  if (text.empty()) throw_usage("nothing is selected", kSelectionExample);
   size_t exception = std::string_view::npos, exception_end = 0;
   for (const std::string_view word : {"but", "except", "without", "excluding"}) {
     const size_t at = find_word(text, word);

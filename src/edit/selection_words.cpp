@@ -26,16 +26,10 @@ constexpr std::pair<std::string_view, ObjectChoice> kPlaces[] = {{" on the left"
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
-
 /// Takes the words of `phrase` off the begin of `item` where more follows.
 bool take_phrase(std::string_view& item, std::string_view phrase) {
   if (item.size() <= phrase.size() || !is_blank(item[phrase.size()])) return false;
-  if (lower(item.substr(0, phrase.size())) != phrase) return false;
+  if (lower_case(item.substr(0, phrase.size())) != phrase) return false;
   item = trimmed(item.substr(phrase.size()));
   return !item.empty();
 }
@@ -49,6 +43,12 @@ int number_of(std::string_view text) {
 }
 
 }  // namespace
+
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
 
 std::string choice_word(ObjectChoice choice) {
   for (const auto& [word, known] : kChoices) {
@@ -65,7 +65,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 size_t find_word(std::string_view text, std::string_view word, size_t from) {
-  const std::string low = lower(text);
+  const std::string low = lower_case(text);
   for (size_t at = low.find(word, from); at != std::string::npos; at = low.find(word, at + 1)) {
     const size_t end = at + word.size();
     if ((at == 0 || is_blank(low[at - 1]) || low[at - 1] == ',') &&
@@ -88,7 +88,7 @@ ObjectChoice take_choice(std::string_view& item) {
   std::string_view rest = trimmed(item);
   take_phrase(rest, "the");
   for (const auto& [ending, choice] : kPlaces) {
-    if (rest.size() <= ending.size() || lower(rest.substr(rest.size() - ending.size())) != ending) continue;
+    if (rest.size() <= ending.size() || lower_case(rest.substr(rest.size() - ending.size())) != ending) continue;
     item = trimmed(rest.substr(0, rest.size() - ending.size()));
     return choice;
   }

@@ -7,13 +7,13 @@
 #include <set>
 
 #include "core/random.h"
+#include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
 #include "scene/plane_fit.h"
 
 namespace aligngs {
 namespace {
 
-constexpr float kSolid = 0.3f;    ///< opacity above which a Gaussian is part of a surface
 constexpr size_t kFewest = 12;    ///< Gaussians that make a plane believable
 constexpr double kOneSide = 0.8;  ///< share of the object on the plane's front side
 
@@ -28,14 +28,14 @@ Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<ui
   Surroundings out;
   std::vector<Vec3f> points;
   for (size_t i = 0; i < room.model.size(); ++i) {
-    if (!part[i] || opacity_of(room.model, i) < kSolid) continue;
+    if (!part[i] || opacity_of(room.model, i) < kSolidOpacity) continue;
     points.push_back(position_of(room.model, i).cast<float>());
     out.object.push_back(points.back().cast<double>());
   }
   const PointTree tree(std::move(points));
   std::vector<PointTree::Neighbour> near;
   for (uint32_t i = 0; i < room.model.size(); ++i) {
-    if (selected[i] || !candidates[i] || opacity_of(room.model, i) < kSolid) continue;
+    if (selected[i] || !candidates[i] || opacity_of(room.model, i) < kSolidOpacity) continue;
     tree.nearest(position_of(room.model, i).cast<float>(), 1, near);
     if (!near.empty() && near[0].distance < reach) out.rows.push_back(i);
   }
@@ -127,7 +127,7 @@ std::vector<std::vector<uint8_t>> connected_parts(const LabelledGaussians& room,
   std::vector<uint32_t> rows;
   std::vector<Vec3f> points;
   for (uint32_t i = 0; i < selected.size(); ++i) {
-    if (!selected[i] || opacity_of(room.model, i) < kSolid) continue;
+    if (!selected[i] || opacity_of(room.model, i) < kSolidOpacity) continue;
     rows.push_back(i);
     points.push_back(position_of(room.model, i).cast<float>());
   }

@@ -13,7 +13,7 @@
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
+constexpr uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
 constexpr uint32_t kSpzVersion = 3;
 constexpr int kSpeedOverSize = 6;     // of zlib; 9 is three times slower and 1 % smaller
 constexpr float kColorScale = 0.15f;  // of f_dc in a byte
@@ -55,7 +55,7 @@ std::string body_of(const GaussianModel& model) {
   const size_t n = model.size();
   const int bits = fractional_bits(model);
   std::string out;
-  append_little(out, kMagic);
+  append_little(out, kSpzMagic);
   append_little(out, kSpzVersion);
   append_little(out, static_cast<uint32_t>(n));
   append_little(out, static_cast<uint8_t>(model.sh_degree));

@@ -1,14 +1,8 @@
 #include "edit/fill/hidden_places.h"
 
+#include "edit/row_flags.h"
+
 namespace aligngs {
-namespace {
-
-std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {
-  for (uint8_t& f : flags) f = !f;
-  return flags;
-}
-
-}  // namespace
 
 HiddenPlaces::HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected,
                            const std::vector<Camera>& cameras, double cube)

@@ -6,8 +6,8 @@
 namespace aligngs {
 namespace {
 
-constexpr double kStrays = 0.02;  ///< share of the places on each side
-constexpr int kTurns = 90;        ///< directions that are tried, one per degree
+constexpr double kRectangleStrays = 0.02;  ///< share of the places on each side
+constexpr int kTurns = 90;                 ///< directions that are tried, one per degree
 
 Vec2d in_frame(const Vec2d& p, const Vec2d& centre, const Vec2d& along) {
   const double x = p.x - centre.x, y = p.y - centre.y;
@@ -16,7 +16,7 @@ Vec2d in_frame(const Vec2d& p, const Vec2d& centre, const Vec2d& along) {
 
 /// Smallest and largest value without the strays.
 void bounds(std::vector<double>& values, double& low, double& high) {
-  const size_t cut = static_cast<size_t>(kStrays * static_cast<double>(values.size()));
+  const size_t cut = static_cast<size_t>(kRectangleStrays * static_cast<double>(values.size()));
   const auto at = [&](size_t k) {
     std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
     return values[k];

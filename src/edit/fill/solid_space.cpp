@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
 #include "gaussians/soft_labels.h"
 
 namespace aligngs {
 namespace {
 
-constexpr float kSolid = 0.3f;     ///< opacity of a Gaussian that is part of a surface
 constexpr int kMostCubes = 256;    ///< per side: 16 MB in all
 constexpr double kOwnCubes = 2.5;  ///< before the place: a surface seen at a slant does not hide itself
 
@@ -41,7 +41,7 @@ SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& s
   Vec3d high{-1e300, -1e300, -1e300};
   low_ = {1e300, 1e300, 1e300};
   for (size_t i = 0; i < selected.size(); ++i) {
-    if (!selected[i] || opacity_of(model, i) < kSolid) continue;
+    if (!selected[i] || opacity_of(model, i) < kSolidOpacity) continue;
     add_disc(model, i, cube, points);
   }
   for (const Vec3d& p : points) {
