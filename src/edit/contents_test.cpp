@@ -49,6 +49,19 @@ TEST_F(Contents, AVaseStandsOnABoxWhoseTopNoPhotoShows) {
 
 TEST_F(Contents, NothingStandsOnTheVase) { EXPECT_THAT(labels_on(kVase), testing::IsEmpty()); }
 
+/// A bed's front and head, 60 cm apart, with a blanket between them whose edge hangs down. Nobody saw the mattress.
+TEST_F(Contents, ABlanketBetweenThePartsOfABedIsOnIt) {
+  constexpr int kBed = 7, kBlanket = 131;
+  GaussianModel model = small_room::make(pool_).gaussians.model;
+  TriangleMesh mesh;
+  small_room::add_box(model, mesh, {-0.8f, -0.4f, -1.1f}, {-0.4f, 0, -1.0f}, {0.9f, 0.9f, 0.9f}, kBed);
+  small_room::add_box(model, mesh, {-0.8f, -0.6f, -0.4f}, {-0.4f, 0, -0.3f}, {0.9f, 0.9f, 0.9f}, kBed);
+  small_room::add_box(model, mesh, {-0.8f, -0.44f, -1.0f}, {-0.4f, -0.4f, -0.4f}, {0.2f, 0.9f, 0.2f}, kBlanket);
+  small_room::add_box(model, mesh, {-0.82f, -0.44f, -1.0f}, {-0.8f, -0.15f, -0.4f}, {0.2f, 0.9f, 0.2f}, kBlanket);
+  room_.gaussians = label_objects(std::move(model), room_.labels, small_room::kExtent, pool_);
+  EXPECT_THAT(labels_on(kBed), testing::ElementsAre(kBlanket));
+}
+
 TEST_F(Contents, TheirRowsAreAdded) {
   std::vector<uint8_t> rows = rows_of(small_room::kBox);
   const std::vector<uint8_t> vase = rows_of(kVase);

@@ -14,11 +14,13 @@ namespace {
 
 constexpr size_t kPatchColorNumbers = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
 constexpr float kLeastSpread = 0.05f;                               // of the harmonic: noise of an even surface
-constexpr double kLight = 0.12;        // / extent: light varies over longer ways, texture over shorter ones (36 cm)
-constexpr double kMeanWidth = 0.7;     // of a Gaussian in its disc, relative to its longest axis
-constexpr double kNarrowest = 0.5;     // cells: a pixel's width is in every splat
-constexpr double kPiece = 0.12;        // / extent: edge of a piece of texture (36 cm)
-constexpr double kTextureReach = 0.6;  // / extent: the longest shift of a pattern on itself (1.8 m)
+constexpr float kStrongContrast = 0.3;  // of the harmonic: flowers of a wallpaper, wood of a parquet
+constexpr float kUnguided = 0.6;        // of pieces without a pattern, which are like the surface but not it
+constexpr double kLight = 0.12;         // / extent: light varies over longer ways, texture over shorter ones (36 cm)
+constexpr double kMeanWidth = 0.7;      // of a Gaussian in its disc, relative to its longest axis
+constexpr double kNarrowest = 0.5;      // cells: a pixel's width is in every splat
+constexpr double kPiece = 0.12;         // / extent: edge of a piece of texture (36 cm)
+constexpr double kTextureReach = 0.6;   // / extent: the longest shift of a pattern on itself (1.8 m)
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
   const float* sh = &model.sh[kPatchColorNumbers * i];
@@ -66,8 +68,8 @@ std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid
   return known;
 }
 
-/// Texture of the cells of a hole, and of the known cells as far as a pattern predicts them; empty without a
-/// pattern.
+/// Texture of the cells of a hole, and of the known cells as far as a pattern predicts them. Empty for an even surface
+/// and for a faint texture without a pattern.
 std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
                                 const std::vector<KnownColor>& known) {
   TextureMapSettings map_settings;
@@ -77,8 +79,9 @@ std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& 
   TextureSettings settings;
   settings.reach = static_cast<int>(kTextureReach * room.extent / grid.cell);
   std::vector<Vec3f> texture = repeated_texture(map, settings);
-  // Pieces without a pattern that guides them are blotches: an even surface is nearer to the truth, and looks calmer.
-  if (texture.empty()) return {};
+  // Without a pattern that guides them, pieces of a faint texture are blotches: an even surface looks calmer.
+  const bool guided = !texture.empty();
+  if (!guided && contrast_of(map) < kStrongContrast) return {};
   QuiltSettings quilt;
   quilt.piece = std::max(8, static_cast<int>(kPiece * room.extent / grid.cell));
   quilt.overlap = quilt.piece / 3;
@@ -86,7 +89,7 @@ std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& 
   if (pieces.empty()) return texture;
   texture.resize(grid.size());
   for (size_t at = 0; at < texture.size(); ++at) {
-    if (hole[at]) texture[at] = pieces[at];
+    if (hole[at]) texture[at] = pieces[at] * (guided ? 1 : kUnguided);
   }
   return texture;
 }
