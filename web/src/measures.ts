@@ -12,6 +12,7 @@ export class Measures {
   active = false;
   private first: Vec3 | null = null;
   private metres: number | null = null; // of a scene unit
+  private asking = false;               // a length is being typed: its row stays
 
   /// `scaled`: the run has another scale.
   constructor(private viewer: Viewer, private keeper: NoteKeeper, private messages: Messages, private scaled: () => Promise<void>) {
@@ -50,14 +51,15 @@ export class Measures {
     const { measurements } = this.keeper.notes;
     element('measure-box').hidden = measurements.length === 0;
     element('scale-reset').hidden = !scalable || !given;
-    element('measures').replaceChildren(...measurements.map((m) => this.row(m, scalable)));
+    if (element('measures').childElementCount !== measurements.length) this.asking = false;
+    if (!this.asking) element('measures').replaceChildren(...measurements.map((m) => this.row(m, scalable)));
     this.draw();
   }
 
   private row(m: Measurement, scalable: boolean): HTMLElement {
     const text = this.text(Math.hypot(...m.from.map((v, k) => v - m.to[k]))), row = make('li');
     row.append(make('span', 'class-name', text));
-    if (scalable) row.append(iconButton(kIcons.pen, 'known', 'set the scale by its true length', text, () => this.ask(m, text, row)));
+    if (scalable) row.append(iconButton(kIcons.pen, 'known', 'set the scale by its true length', text, () => { if (!this.asking) this.ask(m, text, row); }));
     row.append(iconButton(kIcons.bin, 'remove', 'forget', text,
       () => this.keeper.set({ measurements: this.keeper.notes.measurements.filter((other) => other !== m) })));
     return row;
@@ -65,18 +67,20 @@ export class Measures {
 
   /// Asks for the true length in the row of a measurement. Escape leaves the scale as it is.
   private ask(m: Measurement, text: string, row: HTMLElement): void {
+    this.asking = true;
     const form = make('form', 'row'), label = make('label', 'row', 'this is '), input = make('input'), button = make('button', '', 'set the scale');
     Object.assign(input, { type: 'number', min: '0.001', step: 'any', required: true, id: 'known-length', value: this.metres !== null ? parseFloat(text).toString() : '' });
     label.append(input, ' m');
     form.append(label, button);
     form.addEventListener('submit', (e) => { e.preventDefault(); void this.scale({ from: m.from, to: m.to, metres: input.valueAsNumber }); });
-    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); row.replaceWith(this.row(m, true)); } });
+    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); this.asking = false; row.replaceWith(this.row(m, true)); } });
     row.replaceChildren(form);
     input.select();
     input.focus();
   }
 
   private async scale(wanted: object): Promise<void> {
+    this.asking = false;
     try {
       const { factor } = await post<{ factor: number }>('/api/scale', wanted);
       await this.scaled();
