@@ -1,0 +1,185 @@
+// transforms.json of nerfstudio, instant-ngp and Blender.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "scene/import/capture_folder_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST_F(CaptureTest, ReadsTransformsJsonWithOverridesAndDistortion) {
+  image("images/a.png");
+  image("images/b.png");
+  const std::string matrix = "[[0,1,0,1],[1,0,0,2],[0,0,-1,3],[0,0,0,1]]";
+  write("transforms.json",
+        fmt::format(
+            R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12, "w": 32, "h": 24, "test_filenames": ["images/b.png"],
+          "frames": [{{"file_path": "images/a.png", "transform_matrix": {0}}},
+                     {{"file_path": "images/b.png", "fl_x": 40, "k1": 0.1, "transform_matrix": {0}}}]}})",
+            matrix));
+  const Capture capture = read_capture(folder_);
+  EXPECT_EQ(capture.layout, "nerfstudio");
+  ASSERT_EQ(capture.frames.size(), 2u);
+  EXPECT_EQ(capture.frames[0].camera.model, "PINHOLE");
+  EXPECT_EQ(capture.frames[1].camera.model, "OPENCV");
+  EXPECT_THAT(capture.frames[1].camera.params, ElementsAre(40, 31, 16, 12, 0.1, 0, 0, 0));
+  EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-12);
+  EXPECT_THAT(capture.test, ElementsAre("b"));
+}
+
+/// A transforms.json of one frame with these further fields.
+class TransformsTest : public CaptureTest {
+ protected:
+  Capture read(const std::string& fields, const std::string& frame_fields = "", const std::string& matrix = kMatrix) {
+    if (!fs::exists(folder_ / "images" / "a.png")) image("images/a.png");
+    write(
+        "transforms.json",
+        fmt::format(
+            R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12{}, "frames": [{{"file_path": "images/a.png", "transform_matrix": {}{}}}]}})",
+            fields, matrix, frame_fields));
+    return read_capture(folder_);
+  }
+  std::string error_of(const std::string& fields) {
+    try {
+      read(fields);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static constexpr const char* kMatrix = "[[0,1,0,1],[1,0,0,2],[0,0,-1,3],[0,0,0,1]]";
+};
+
+TEST_F(TransformsTest, AFisheyeIsOneAlsoWithoutCoefficients) {
+  for (const char* fields : {R"(, "camera_model": "OPENCV_FISHEYE")", R"(, "is_fisheye": true)"}) {
+    const Capture capture = read(fields);
+    EXPECT_EQ(capture.frames[0].camera.model, "THIN_PRISM_FISHEYE") << fields;
+  }
+  const Capture bent = read(R"(, "camera_model": "OPENCV_FISHEYE", "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4)");
+  EXPECT_THAT(bent.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0, 0, 0.3, 0.4, 0, 0));
+}
+
+TEST_F(TransformsTest, TheThirdRadialTermOfAPerspectiveLensIsUsed) {
+  const Capture capture =
+      read(R"(, "camera_model": "OPENCV", "k1": 0.1, "k2": 0.2, "k3": 0.3, "p1": 0.01, "p2": 0.02)");
+  EXPECT_EQ(capture.frames[0].camera.model, "FULL_OPENCV");
+  EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0.01, 0.02, 0.3, 0, 0, 0));
+  const Capture list = read(R"(, "distortion_params": [0.1, 0.2, 0, 0, 0.01, 0.02])");
+  EXPECT_THAT(list.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0.01, 0.02));
+}
+
+TEST_F(TransformsTest, LensesThatAreNotUndoneAreRefusedByName) {
+  EXPECT_THAT(error_of(R"(, "camera_model": "EQUIRECTANGULAR")"), HasSubstr("EQUIRECTANGULAR"));
+  EXPECT_THAT(error_of(R"(, "k4": 0.1)"), HasSubstr("k4"));
+  EXPECT_THAT(error_of(R"(, "latlong": true)"), HasSubstr("latlong"));
+}
+
+TEST_F(TransformsTest, AnAngleThatContradictsTheFocalLengthIsNamed) {
+  EXPECT_THAT(read(R"(, "camera_angle_x": 0.3)").notes,
+              ElementsAre(AllOf(HasSubstr("camera_angle_x is not used"), HasSubstr("fl_x says 30"))));
+  EXPECT_TRUE(read(R"(, "camera_angle_x": 0.98)").notes.empty());  // 2 atan(16 / 30)
+}
+
+TEST_F(TransformsTest, NumbersThatNoLensHasAreRefusedByName) {
+  EXPECT_THAT(error_of(R"(, "fl_x": -30)"), HasSubstr("fl_x: a negative focal length"));
+  EXPECT_THAT(error_of(R"(, "k1": NaN)"), HasSubstr("k1: expected a finite number"));
+  EXPECT_THAT(error_of(R"(, "cx": 64)"), HasSubstr("w and h are absent"));
+  EXPECT_THAT(error_of(R"(, "depth_unit_scale_factor": -1)"), HasSubstr("depth_unit_scale_factor"));
+  EXPECT_THAT(error_of(R"(, "ply_file_path": "points.ply")"), HasSubstr("ply_file_path: the points are missing"));
+  EXPECT_EQ(read(R"(, "cx": 64, "w": 32, "h": 24)").frames.size(), 1u) << "a part of a larger photo";
+}
+
+TEST_F(TransformsTest, AnUnknownObjectIsListed) {
+  EXPECT_THAT(read(R"(, "lens": {"k1": 0.2})").notes, ElementsAre(HasSubstr("lens")));
+}
+
+TEST_F(TransformsTest, ShrunkPhotosStandForMissingOnes) {
+  image("images_4/a.png");
+  fs::create_directories(folder_ / "images_8");
+  write(
+      "transforms.json",
+      fmt::format(
+          R"({{"fl_x": 120, "w": 128, "h": 96, "frames": [{{"file_path": "images/a.png", "transform_matrix": {}}}]}})",
+          kMatrix));
+  const Capture capture = read_capture(folder_);
+  ASSERT_EQ(capture.frames.size(), 1u);
+  EXPECT_EQ(capture.frames[0].image, folder_ / "images_4" / "a.png");
+  EXPECT_NEAR(capture.frames[0].camera.params[0], 30, 1e-9);
+}
+
+TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
+  depth("depth/a.png", 2000);
+  const std::string frame = R"(, "depth_path": "depth\\a.png")";
+  EXPECT_FLOAT_EQ(read_capture_depth(read("", frame), read("", frame).frames[0]).at(5, 5), 2.0f);
+  for (const char* key : {"integer_depth_scale", "depth_unit_scale_factor"}) {
+    const Capture capture = read(fmt::format(R"(, "{}": 0.0002)", key), frame);
+    EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 0.4f) << key;
+  }
+}
+
+TEST_F(TransformsTest, DepthFilesThatAreMissingAreReported) {
+  EXPECT_THAT(read("", R"(, "depth_file_path": "depth/a.png")").notes,
+              ElementsAre(HasSubstr("depth_file_path: none of its files is there")));
+}
+
+TEST_F(TransformsTest, AnAngleInDegreesIsNamed) {
+  EXPECT_THAT(error_of(R"(, "fl_x": 0, "fl_y": 0, "camera_angle_x": 60)"), HasSubstr("radians"));
+}
+
+TEST_F(TransformsTest, AUniformScaleOfTheMatrixAppliesToDepth) {
+  depth("depth/a.png", 2000);
+  const Capture capture =
+      read("", R"(, "depth_file_path": "depth/a.png")", "[[0,3,0,1],[3,0,0,2],[0,0,-3,3],[0,0,0,1]]");
+  EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-12);
+  EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 6.0f);
+}
+
+TEST_F(TransformsTest, MasksAreFoundAndUnknownParametersListedOnce) {
+  image("masks/a.png");
+  const Capture capture = read(R"(, "applied_scale": 0.5, "rolling_shutter": [0, 0, 0.1], "tilt_angle": 3)",
+                               R"(, "mask_path": "masks/a.png", "gain": 2)");
+  EXPECT_EQ(capture.frames[0].mask.filename(), "a.png");
+  EXPECT_THAT(capture.notes,
+              ElementsAre(HasSubstr("rolling_shutter"), testing::AllOf(HasSubstr("frames.gain, tilt_angle"),
+                                                                       testing::Not(HasSubstr("applied_scale")))));
+}
+
+TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
+  image("images/b.png");
+  write(
+      "transforms.json",
+      fmt::format(
+          R"({{"fl_x": 30, "frames": [{{"file_path": "images/a.png", "transform_matrix": {0}}}, {{"file_path": "./images/b", "transform_matrix": {0}}},
+          {{"file_path": "images/b.png", "transform_matrix": [[null,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}, {{"file_path": "c.png"}}]}})",
+          kMatrix));
+  const Capture capture = read_capture(folder_);
+  ASSERT_EQ(capture.frames.size(), 1u);
+  EXPECT_EQ(capture.frames[0].name, "b");
+  EXPECT_THAT(reasons(capture),
+              ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
+}
+
+TEST_F(TransformsTest, BlendersFilesAreReadWithTheirSplit) {
+  for (const char* name : {"train/r_0.png", "train/r_1.PNG", "test/r_0.png"}) image(name);
+  for (const std::string split : {"train", "test"}) {
+    std::string frames;
+    for (int i = 0; i < (split == "train" ? 2 : 1); ++i)
+      frames += fmt::format(R"({}{{"file_path": "./{}/r_{}", "rotation": 0.1, "transform_matrix": {}}})", i ? "," : "",
+                            split, i, kMatrix);
+    write("transforms_" + split + ".json", fmt::format(R"({{"camera_angle_x": 0.6911112, "frames": [{}]}})", frames));
+  }
+  const Capture capture = read_capture(folder_);
+  ASSERT_EQ(capture.frames.size(), 3u);
+  EXPECT_NEAR(capture.frames[0].camera.params[0], 0.5 * kWidth / std::tan(0.5 * 0.6911112), 1e-9);
+  EXPECT_THAT(capture.train, ElementsAre("train/r_0", "train/r_1"));
+  EXPECT_THAT(capture.test, ElementsAre("test/r_0"));
+  EXPECT_TRUE(capture.notes.empty());
+}
+
+}  // namespace
+}  // namespace aligngs
