@@ -76,7 +76,7 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
       room = with_scale_of_scene(before, options->run);
     } else if (!options->between.empty()) {
       const Vec3d a = point_of(options->between[0]), b = point_of(options->between[1]);
-      room = scaled_to(before, norm(a - b) * before.to_room.scale, number_of(options->between[2]));
+      room = scaled_between(before, a, b, number_of(options->between[2]));
     } else if (!options->object.empty()) {
       const std::pair<KnownSide, double> given[] = {{KnownSide::kHeight, options->height},
                                                     {KnownSide::kWidth, options->width},
@@ -93,11 +93,7 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
       throw_usage("nothing says what the scale is",
                   "give --object NAME --height METRES, or --between A B METRES, or --reset");
     }
-    const double factor = room.to_room.scale / before.to_room.scale;
-    constexpr double kRounding = 1e-9;  // the same scale again leaves the file, whose last digits rounding would change
-    const bool changes =
-        std::fabs(factor - 1) > kRounding || room.scale_source != before.scale_source || room.metric != before.metric;
-    if (changes) write_room(file, room);
+    const double factor = write_scale(file, before, room);
     if (context.global.json) {
       const nlohmann::json document = {{"factor", factor},
                                        {"units_per_scene_unit", room.to_room.scale},

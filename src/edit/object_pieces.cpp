@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/perpendicular.h"
+#include "edit/object_rows.h"
 #include "gaussians/gaussian_geometry.h"
 #include "gaussians/instances.h"
 
@@ -35,7 +37,7 @@ class PieceSearch {
  public:
   PieceSearch(const LabelledGaussians& room, const Vec3d& up, const ObjectPieceSettings& settings)
       : room_(room), settings_(settings) {
-    u_ = normalized(cross(std::fabs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, up));
+    u_ = perpendicular_to(up);
     v_ = cross(up, u_);
   }
 
@@ -116,13 +118,12 @@ std::vector<uint16_t> kinds_with_pieces(const LabelSet& labels) {
 
 /// The objects of each kind, the largest first.
 std::map<uint16_t, std::vector<Piece>> pieces_of(const LabelledGaussians& room, const std::vector<uint16_t>& kinds) {
-  std::map<std::pair<uint16_t, uint16_t>, std::vector<uint32_t>> objects;
-  for (uint32_t i = 0; i < room.model.size(); ++i) {
-    const uint16_t label = room.labels.label[i], instance = room.labels.instance[i];
-    if (label < kinds.size() && kinds[label] != kNoLabel && instance) objects[{label, instance}].push_back(i);
-  }
   std::map<uint16_t, std::vector<Piece>> out;
-  for (auto& [name, rows] : objects) out[kinds[name.first]].push_back({name.first, name.second, std::move(rows)});
+  for (auto& [name, rows] : rows_of_objects(room.labels)) {
+    const auto [label, instance] = name;
+    if (label < kinds.size() && kinds[label] != kNoLabel && instance)
+      out[kinds[label]].push_back({label, instance, std::move(rows)});
+  }
   for (auto& [kind, pieces] : out) {
     std::stable_sort(pieces.begin(), pieces.end(),
                      [](const Piece& a, const Piece& b) { return a.rows.size() > b.rows.size(); });

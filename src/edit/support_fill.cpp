@@ -6,6 +6,7 @@
 #include <functional>
 #include <set>
 
+#include "core/perpendicular.h"
 #include "core/random.h"
 #include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
@@ -72,7 +73,7 @@ bool surrounds(const LabelledGaussians& room, const SupportPlane& plane, const s
   Vec3d centre;
   for (const Vec3d& p : object) centre += p * (1.0 / static_cast<double>(object.size()));
   const Vec3d& n = plane.normal;
-  const Vec3d u = normalized(cross(std::fabs(n.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, n)), v = cross(n, u);
+  const Vec3d u = perpendicular_to(n), v = cross(n, u);
   std::set<int> directions;
   for (const uint32_t i : plane.carriers) {
     const Vec3d d = position_of(room.model, i) - centre;

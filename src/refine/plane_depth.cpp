@@ -192,7 +192,7 @@ Image<uint8_t> interior(const Image<uint8_t>& kinds, int edge) {
           inside = kinds.at(std::clamp(x + dx, 0, kinds.width - 1), std::clamp(y + dy, 0, kinds.height - 1)) == own;
         }
       }
-      out.at(x, y) = inside;
+      out.at(x, y) = inside ? own : uint8_t{0};
     }
   }
   return out;

@@ -56,7 +56,7 @@ struct CameraPlane {
   }
 };
 
-/// 1 if a pixel's kind is not 0 and all pixels within `edge` (at the border, those inside) are of the same; else 0.
+/// The kinds without pixels near another: 0 unless all pixels within `edge` (at the border, those inside) are the same.
 Image<uint8_t> interior(const Image<uint8_t>& kinds, int edge);
 
 /// The planes that a camera sees from their front; of the first 255, which are more than find_planes() finds.

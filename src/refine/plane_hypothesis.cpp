@@ -151,9 +151,7 @@ Image<uint8_t> kinds_of(const PlaneView& view, const std::vector<PlaneClass>& cl
     const uint16_t label = view.labels.data[i];
     if (label < classes.size() && !classes[label].glass) kinds.data[i] = static_cast<uint8_t>(classes[label].kind);
   }
-  const Image<uint8_t> inside = interior(kinds, edge);
-  for (size_t i = 0; i < kinds.data.size(); ++i) kinds.data[i] = inside.data[i] ? kinds.data[i] : uint8_t{0};
-  return kinds;
+  return interior(kinds, edge);
 }
 
 }  // namespace

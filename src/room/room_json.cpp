@@ -240,6 +240,14 @@ void write_room(const std::filesystem::path& file, const MeasuredRoom& room) {
   write_file_atomically(file, room_json(room));
 }
 
+double write_scale(const std::filesystem::path& file, const MeasuredRoom& before, const MeasuredRoom& after) {
+  constexpr double kRounding = 1e-9;
+  const double factor = after.to_room.scale / before.to_room.scale;
+  if (std::fabs(factor - 1) > kRounding || after.scale_source != before.scale_source || after.metric != before.metric)
+    write_room(file, after);
+  return factor;
+}
+
 MeasuredRoom read_room(const std::filesystem::path& file) {
   const Reader reader(file);
   const Json json = parse_ordered_json(read_file(file, kLargest));

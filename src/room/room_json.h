@@ -17,6 +17,10 @@ std::string room_json(const MeasuredRoom& room);
 /// Writes room.json, whole or not at all.
 void write_room(const std::filesystem::path& file, const MeasuredRoom& room);
 
+/// Writes a room that has another scale than before; the factor on all lengths. The same scale again leaves the file,
+/// whose last digits rounding would change.
+double write_scale(const std::filesystem::path& file, const MeasuredRoom& before, const MeasuredRoom& after);
+
 /// Reads what write_room() wrote. Error{kBadInput} for a file that is none, is of a later schema, or holds walls that
 /// are not closed and numbers
 /// that are not finite.

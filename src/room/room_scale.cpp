@@ -75,4 +75,8 @@ MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres)
   return out;
 }
 
+MeasuredRoom scaled_between(const MeasuredRoom& room, const Vec3d& from, const Vec3d& to, double metres) {
+  return scaled_to(room, norm(from - to) * room.to_room.scale, metres);
+}
+
 }  // namespace aligngs

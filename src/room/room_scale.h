@@ -19,4 +19,7 @@ double measured_side(const MeasuredRoom& room, const std::string& name, KnownSid
 /// factor of a million.
 MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres);
 
+/// scaled_to() the distance of two places of the scene, as in scene.ply.
+MeasuredRoom scaled_between(const MeasuredRoom& room, const Vec3d& from, const Vec3d& to, double metres);
+
 }  // namespace aligngs

@@ -35,7 +35,7 @@ MeasuredRoom scaled_room(const MeasuredRoom& before, const Json& asked) {
   const auto length = asked.find("metres");
   const Vec3d from = place_in(asked, "from"), to = place_in(asked, "to");
   if (length == asked.end() || !length->is_number()) throw_bad_input({}, "metres", "is no number", kScaleRemedy);
-  return scaled_to(before, norm(from - to) * before.to_room.scale, length->get<double>());
+  return scaled_between(before, from, to, length->get<double>());
 }
 
 }  // namespace
@@ -52,8 +52,7 @@ void serve_scale(const std::filesystem::path& run, std::function<MeasuredRoom(co
     const MeasuredRoom before = read_room(file);
     const MeasuredRoom after =
         asked.value("reset", Json()) == true ? without_given(before) : scaled_room(before, asked);
-    write_room(file, after);
-    return json_line(Json{{"factor", after.to_room.scale / before.to_room.scale}});
+    return json_line(Json{{"factor", write_scale(file, before, after)}});
   };
 }
 

@@ -8,11 +8,10 @@
 #include "scene/triangle_mesh.h"
 #include "synth/noise.h"
 #include "synth/outside.h"
+#include "synth/texture_math.h"
 
 namespace aligngs {
 namespace {
-
-constexpr float kPiFloat = 3.14159265f;
 
 struct SurfacePoint {
   const Material* material = nullptr;

@@ -1,14 +1,15 @@
-// Small functions of textures and pictures.
+// Small functions of textures, pictures and shading.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/vec.h"
 
 namespace aligngs {
 
-inline constexpr float kTexturePi = 3.14159265f;
+inline constexpr float kPiFloat = static_cast<float>(kPi);
 
 /// From a at t = 0 to b at t = 1.
 inline Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + (b - a) * t; }

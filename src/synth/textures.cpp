@@ -66,7 +66,7 @@ Vec3f weave(const Material& m, float u, float v, float footprint) {
   const float detail = resolved(pitch, footprint);
   const float x = u / pitch, y = v / pitch;
   const bool over = ((static_cast<int>(std::floor(x)) + static_cast<int>(std::floor(y))) & 1) != 0;
-  const float thread = over ? std::sin(kTexturePi * fraction(x)) : std::sin(kTexturePi * fraction(y));
+  const float thread = over ? std::sin(kPiFloat * fraction(x)) : std::sin(kPiFloat * fraction(y));
   const float slub = fractal_noise(u * 14 / m.scale, v * 14 / m.scale, 3, m.seed);
   const float blotch = fractal_noise(u * 3, v * 3, 2, m.seed + 9);
   const Vec3f base = mix(m.a, m.b, clamp01(0.4f + 0.6f * slub * resolved(0.07f * m.scale, footprint) + 0.2f * blotch));
@@ -233,7 +233,7 @@ Vec3f leaf(const Material& m, float u, float v) {
 Vec3f wicker(const Material& m, float u, float v, float footprint) {
   const float x = u / 0.035f, y = v / 0.018f;
   const bool over = ((static_cast<int>(std::floor(x)) + static_cast<int>(std::floor(y))) & 1) != 0;
-  const float bulge = std::sin(kTexturePi * fraction(y)) * (over ? std::sin(kTexturePi * fraction(x)) : 0.55f);
+  const float bulge = std::sin(kPiFloat * fraction(y)) * (over ? std::sin(kPiFloat * fraction(x)) : 0.55f);
   const float tint = 0.3f * value_noise(u * 40, v * 40, m.seed);
   return mix(m.b, m.a, clamp01(0.2f + bulge * resolved(0.018f, footprint * 0.6f) + tint));
 }

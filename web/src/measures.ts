@@ -12,7 +12,6 @@ export class Measures {
   active = false;
   private first: Vec3 | null = null;
   private metres: number | null = null; // of a scene unit
-  private asking = false;               // a length is being typed: its row stays
 
   /// `scaled`: the run has another scale.
   constructor(private viewer: Viewer, private keeper: NoteKeeper, private messages: Messages, private scaled: () => Promise<void>) {
@@ -51,10 +50,13 @@ export class Measures {
     const { measurements } = this.keeper.notes;
     element('measure-box').hidden = measurements.length === 0;
     element('scale-reset').hidden = !scalable || !given;
-    if (element('measures').childElementCount !== measurements.length) this.asking = false;
-    if (!this.asking) element('measures').replaceChildren(...measurements.map((m) => this.row(m, scalable)));
+    const typing = this.asking && element('measures').childElementCount === measurements.length; // its row stays
+    if (!typing) element('measures').replaceChildren(...measurements.map((m) => this.row(m, scalable)));
     this.draw();
   }
+
+  /// A length is being typed.
+  private get asking(): boolean { return element('measures').querySelector('form') !== null; }
 
   private row(m: Measurement, scalable: boolean): HTMLElement {
     const text = this.text(Math.hypot(...m.from.map((v, k) => v - m.to[k]))), row = make('li');
@@ -67,22 +69,21 @@ export class Measures {
 
   /// Asks for the true length in the row of a measurement. Escape leaves the scale as it is.
   private ask(m: Measurement, text: string, row: HTMLElement): void {
-    this.asking = true;
     const form = make('form', 'row'), label = make('label', 'row', 'this is '), input = make('input'), button = make('button', '', 'set the scale');
     Object.assign(input, { type: 'number', min: '0.001', step: 'any', required: true, id: 'known-length', value: this.metres !== null ? parseFloat(text).toString() : '' });
     label.append(input, ' m');
     form.append(label, button);
     form.addEventListener('submit', (e) => { e.preventDefault(); void this.scale({ from: m.from, to: m.to, metres: input.valueAsNumber }); });
-    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); this.asking = false; row.replaceWith(this.row(m, true)); } });
+    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); row.replaceWith(this.row(m, true)); } });
     row.replaceChildren(form);
     input.select();
     input.focus();
   }
 
   private async scale(wanted: object): Promise<void> {
-    this.asking = false;
     try {
       const { factor } = await post<{ factor: number }>('/api/scale', wanted);
+      element('measures').replaceChildren(); // the lengths are others
       await this.scaled();
       this.messages.show(`Lengths are multiplied by ${factor.toFixed(4)}. Sizes, plan and exports have this scale.`, 'result');
     } catch (error) { this.messages.error(error); }

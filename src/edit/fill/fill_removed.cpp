@@ -48,9 +48,7 @@ std::vector<SupportPatch> patches_of(const FillRoom& r, const RoomPlane& plane, 
       if (r.taken.holds(static_cast<uint16_t>(rug.label), static_cast<uint16_t>(rug.number))) continue;
       const std::vector<uint32_t> rows = r.rows_on(grid, rug.label, rug.number, 2 * r.settings.tolerance);
       if (rows.size() < FillRoom::kFewestCarriers) continue;
-      std::vector<Vec2d> places;
-      for (const uint32_t i : rows) places.push_back(grid.place_of(position_of(r.room.model, i)));
-      const PlaneRectangle rectangle = rectangle_of(places);
+      const PlaneRectangle rectangle = r.rectangle_on(grid, rows);
       std::vector<uint8_t> part(hole.size(), 0);
       for (int j = 0; j < grid.rows; ++j) {
         for (int i = 0; i < grid.columns; ++i) {
@@ -85,11 +83,7 @@ std::vector<SupportPatch> fill_shell(const FillRoom& r, const RoomPlane& plane) 
   const std::vector<float> open =
       plane.kind == PlaneKind::kWall ? opened(r, grid) : std::vector<float>(grid.size(), 0.f);
   std::vector<float> object(grid.size(), 0.f);
-  for (const std::vector<uint8_t>* part : touching) {
-    for (size_t i = 0; i < part->size(); ++i) {
-      if ((*part)[i]) splat(r.room.model, i, grid, true, object);
-    }
-  }
+  for (const std::vector<uint8_t>* part : touching) r.splat_part(*part, grid, object);
   const double tolerance = r.settings.tolerance * r.extent;
   std::vector<uint8_t> hole(grid.size(), 0), closed(grid.size(), 0), barred(grid.size(), 0);
   r.for_each(

@@ -113,4 +113,16 @@ std::vector<float> FillRoom::coverage(const PlaneGrid& grid, bool is_gone) const
   return cover;
 }
 
+void FillRoom::splat_part(const std::vector<uint8_t>& part, const PlaneGrid& grid, std::vector<float>& cover) const {
+  for (size_t i = 0; i < part.size(); ++i) {
+    if (part[i]) splat(room.model, i, grid, true, cover);
+  }
+}
+
+PlaneRectangle FillRoom::rectangle_on(const PlaneGrid& grid, const std::vector<uint32_t>& rows) const {
+  std::vector<Vec2d> places;
+  for (const uint32_t i : rows) places.push_back(grid.place_of(position_of(room.model, i)));
+  return rectangle_of(places);
+}
+
 }  // namespace aligngs

@@ -7,6 +7,7 @@
 #include "edit/fill/carrying_classes.h"
 #include "edit/fill/fill_removed.h"
 #include "edit/fill/hidden_places.h"
+#include "edit/fill/plane_rectangle.h"
 #include "edit/fill/room_planes.h"
 #include "edit/fill/stains.h"
 #include "edit/taken_objects.h"
@@ -60,6 +61,10 @@ struct FillRoom {
   std::vector<float> coverage(const PlaneGrid& grid, bool is_gone) const;
   /// Rows of an object that lie on a plane; `tolerance` is a share of the extent.
   std::vector<uint32_t> rows_on(const PlaneGrid& grid, int label, int instance, double tolerance) const;
+  /// Around rows on a plane, in cells.
+  PlaneRectangle rectangle_on(const PlaneGrid& grid, const std::vector<uint32_t>& rows) const;
+  /// Adds what the Gaussians of a removed part cover of a plane.
+  void splat_part(const std::vector<uint8_t>& part, const PlaneGrid& grid, std::vector<float>& cover) const;
 
  private:
   std::vector<Vec3f> points_of(const std::vector<uint8_t>& rows) const;

@@ -50,14 +50,10 @@ std::vector<SupportPatch> fill_furniture(const FillRoom& r, const std::vector<ui
     constexpr int kBorder = 12;  // cells around the object whose colours are continued
     const PlaneGrid grid = grid_over(points, {plane.normal, plane.offset}, cell, kBorder * cell);
     const std::vector<uint32_t> rows = r.rows_on(grid, label, instance, r.settings.tolerance);
-    std::vector<Vec2d> places;
-    for (const uint32_t i : rows) places.push_back(grid.place_of(position_of(r.room.model, i)));
-    if (places.size() < FillRoom::kFewestCarriers) continue;
-    const PlaneRectangle bounds = rectangle_of(places);
+    if (rows.size() < FillRoom::kFewestCarriers) continue;
+    const PlaneRectangle bounds = r.rectangle_on(grid, rows);
     std::vector<float> object(grid.size(), 0.f);
-    for (size_t i = 0; i < part.size(); ++i) {
-      if (part[i]) splat(r.room.model, i, grid, true, object);
-    }
+    r.splat_part(part, grid, object);
     const std::vector<float> cover = r.coverage(grid, false);
     if (!is_plate(r, grid, bounds, object, cover)) continue;
     std::vector<uint8_t> hole(grid.size(), 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/perpendicular.h"
 #include "gaussians/soft_labels.h"
 
 namespace aligngs {
@@ -22,7 +23,7 @@ PlaneGrid grid_over(const std::vector<Vec3d>& points, const PlaneOf& plane, doub
   PlaneGrid grid;
   const Vec3d& n = plane.normal;
   grid.normal = n;
-  grid.u = normalized(cross(std::fabs(n.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, n));
+  grid.u = perpendicular_to(n);
   grid.v = cross(n, grid.u);
   double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
   for (const Vec3d& p : points) {
