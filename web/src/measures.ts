@@ -12,6 +12,7 @@ export class Measures {
   active = false;
   private first: Vec3 | null = null;
   private metres: number | null = null; // of a scene unit
+  private scalable = false; // a known length may set the scale
 
   /// `scaled`: the run has another scale.
   constructor(private viewer: Viewer, private keeper: NoteKeeper, private messages: Messages, private scaled: () => Promise<void>) {
@@ -47,21 +48,26 @@ export class Measures {
   /// length may set it. `given`: one has.
   show(metres: number | null, scalable: boolean, given: boolean): void {
     this.metres = metres;
+    this.scalable = scalable;
     const { measurements } = this.keeper.notes;
     element('measure-box').hidden = measurements.length === 0;
     element('scale-reset').hidden = !scalable || !given;
     const typing = this.asking && element('measures').childElementCount === measurements.length; // its row stays
-    if (!typing) element('measures').replaceChildren(...measurements.map((m) => this.row(m, scalable)));
+    if (!typing) this.list();
     this.draw();
+  }
+
+  private list(): void {
+    element('measures').replaceChildren(...this.keeper.notes.measurements.map((m) => this.row(m)));
   }
 
   /// A length is being typed.
   private get asking(): boolean { return element('measures').querySelector('form') !== null; }
 
-  private row(m: Measurement, scalable: boolean): HTMLElement {
+  private row(m: Measurement): HTMLElement {
     const text = this.text(Math.hypot(...m.from.map((v, k) => v - m.to[k]))), row = make('li');
     row.append(make('span', 'class-name', text));
-    if (scalable) row.append(iconButton(kIcons.pen, 'known', 'set the scale by its true length', text, () => { if (!this.asking) this.ask(m, text, row); }));
+    if (this.scalable) row.append(iconButton(kIcons.pen, 'known', 'set the scale by its true length', text, () => { if (!this.asking) this.ask(m, text, row); }));
     row.append(iconButton(kIcons.bin, 'remove', 'forget', text,
       () => this.keeper.set({ measurements: this.keeper.notes.measurements.filter((other) => other !== m) })));
     return row;
@@ -74,7 +80,7 @@ export class Measures {
     label.append(input, ' m');
     form.append(label, button);
     form.addEventListener('submit', (e) => { e.preventDefault(); void this.scale({ from: m.from, to: m.to, metres: input.valueAsNumber }); });
-    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); row.replaceWith(this.row(m, true)); } });
+    form.addEventListener('keydown', (e) => { if (e.key === 'Escape') { e.stopPropagation(); row.replaceWith(this.row(m)); } });
     row.replaceChildren(form);
     input.select();
     input.focus();
@@ -83,7 +89,7 @@ export class Measures {
   private async scale(wanted: object): Promise<void> {
     try {
       const { factor } = await post<{ factor: number }>('/api/scale', wanted);
-      element('measures').replaceChildren(); // the lengths are others
+      this.list(); // nothing is typed any more, so that new lengths are shown
       await this.scaled();
       this.messages.show(`Lengths are multiplied by ${factor.toFixed(4)}. Sizes, plan and exports have this scale.`, 'result');
     } catch (error) { this.messages.error(error); }

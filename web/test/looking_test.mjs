@@ -119,11 +119,11 @@ await withBrowser(async (browser) => {
     await page.locator('#known-length').fill(String(2 * measured));
     await shot('known_length');
     await page.locator('#known-length').press('Enter');
-    await page.waitForFunction((m) => Math.abs(parseFloat(document.querySelector('#measures li').textContent) - 2 * m) < 2e-3, measured);
+    await page.waitForFunction((m) => Math.abs(parseFloat(document.querySelector('#measures li')?.textContent) - 2 * m) < 2e-3, measured);
     check(Math.abs(scale().units_per_scene_unit / first.units_per_scene_unit - 2) < 0.01 && scale().source === 'given', `the length that is known sets the scale (${await message()})`);
     check(await size() !== before_size, `and objects have other sizes (${before_size}, now ${await size()})`);
     await page.locator('#scale-reset').click();
-    await page.waitForFunction((m) => Math.abs(parseFloat(document.querySelector('#measures li').textContent) - m) < 2e-3, measured);
+    await page.waitForFunction((m) => Math.abs(parseFloat(document.querySelector('#measures li')?.textContent) - m) < 2e-3, measured);
     check(scale().source === first.source && await page.locator('#scale-reset').isHidden(), 'the scale is taken back');
     await page.locator('#measures-clear').click();
   }
