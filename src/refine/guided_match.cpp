@@ -18,6 +18,27 @@ double parabola_top(double left, double middle, double right) {
   return curvature < 0 ? std::clamp(0.5 * (left - right) / curvature, -0.5, 0.5) : 0;
 }
 
+/// Scores around the best place of the coarse search, a row at a time when one of it is asked for.
+class NearScores {
+ public:
+  NearScores(const ShiftedScores& scores, int dx, int dy) : scores_(scores), left_(dx - kReach), top_(dy - kReach) {}
+
+  double at(int dx, int dy) {
+    const size_t row = static_cast<size_t>(dy - top_);
+    if (!known_[row]) scores_.row(left_, kWidth, 1, dy, rows_[row].data());
+    known_[row] = true;
+    return rows_[row][static_cast<size_t>(dx - left_)];
+  }
+
+ private:
+  static constexpr int kReach = kCoarseStep + 1;  // the best place moves that often, and its neighbours are looked at
+  static constexpr int kWidth = 2 * kReach + 1;
+  const ShiftedScores& scores_;
+  int left_, top_;
+  std::array<std::array<double, kWidth>, kWidth> rows_;
+  std::array<bool, kWidth> known_{};
+};
+
 }  // namespace
 
 std::optional<Match> guided_match(const MatchView& from, int x, int y, const MatchView& to, const MatchSettings& s) {
@@ -28,22 +49,23 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
     double score;
     int dx, dy;
   };
-  ShiftedScores scores(*patch, to.luma);
+  const ShiftedScores scores(*patch, to.luma);
   std::vector<Place> coarse;
-  std::vector<double> row(static_cast<size_t>(2 * reach + 1));
+  std::vector<double> row(static_cast<size_t>(2 * reach / kCoarseStep + 1));
+  coarse.reserve(row.size() * row.size());
   for (int dy = -reach; dy <= reach; dy += kCoarseStep) {
-    scores.row(-reach, 2 * reach + 1, dy, row.data());
-    for (int dx = -reach; dx <= reach; dx += kCoarseStep)
-      coarse.push_back({row[static_cast<size_t>(dx + reach)], dx, dy});
+    scores.row(-reach, static_cast<int>(row.size()), kCoarseStep, dy, row.data());
+    for (size_t k = 0; k < row.size(); ++k) coarse.push_back({row[k], static_cast<int>(k) * kCoarseStep - reach, dy});
   }
   Place best =
       *std::max_element(coarse.begin(), coarse.end(), [](const Place& a, const Place& b) { return a.score < b.score; });
   if (best.score < 0.5 * s.least_score) return {};
+  NearScores near(scores, best.dx, best.dy);
   for (int round = 0; round < kCoarseStep; ++round) {  // the top may lie a step beyond the coarse grid's best
     const Place middle = best;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const double score = scores.at(middle.dx + dx, middle.dy + dy);
+        const double score = near.at(middle.dx + dx, middle.dy + dy);
         if (score > best.score) best = {score, middle.dx + dx, middle.dy + dy};
       }
     }
@@ -56,7 +78,7 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
   }
   std::array<double, 9> around;  // the best place in the middle, row by row
   for (int i = 0; i < 9; ++i)
-    around[static_cast<size_t>(i)] = i == 4 ? best.score : scores.at(best.dx + i % 3 - 1, best.dy + i / 3 - 1);
+    around[static_cast<size_t>(i)] = i == 4 ? best.score : near.at(best.dx + i % 3 - 1, best.dy + i / 3 - 1);
   // at the photo's border: so it may here
   if (std::find(around.begin(), around.end(), ShiftedScores::kOutside) != around.end()) return {};
   Match match;

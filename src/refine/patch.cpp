@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 #include "core/target_clones.h"
 
@@ -10,27 +12,56 @@ namespace {
 
 constexpr double kFlat = 1e-6;  // variance of luma that is none
 
-/// Sums over a patch, for neighbouring shifts.
-struct RowSums {
-  double* dot;
-  double* sum;
-  double* squares;
-};
+constexpr int kLanes = ShiftedScores::kTogether;
+typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
+typedef double DoubleLanes __attribute__((vector_size(kLanes * sizeof(double))));
+
+/// `shift`: from a tap's place to that of the first shift, in pixels of the row-major photo.
+template <int kStep>
+ALIGNGS_ALWAYS_INLINE void add_taps(const ShiftedScores::Tap* taps, size_t count, const float* pixels, ptrdiff_t width,
+                                    ptrdiff_t shift, ShiftedScores::Sums& out) {
+  DoubleLanes dot{}, sum{}, squares{};
+  for (size_t t = 0; t < count; ++t) {
+    const ShiftedScores::Tap& tap = taps[t];
+    const float* const upper = pixels + (tap.row * width + tap.column + shift);
+    const float* const lower = upper + width;
+    FloatLanes left[2], right[2];  // of the upper and the lower row
+    for (int k = 0; k < 2; ++k) {
+      const float* const from = k == 0 ? upper : lower;
+      if constexpr (kStep == 1) {
+        std::memcpy(&left[k], from, sizeof(FloatLanes));
+        std::memcpy(&right[k], from + 1, sizeof(FloatLanes));
+      } else {
+        FloatLanes near, far;
+        std::memcpy(&near, from, sizeof(FloatLanes));
+        std::memcpy(&far, from + kLanes, sizeof(FloatLanes));
+        left[k] = __builtin_shufflevector(near, far, 0, 2, 4, 6, 8, 10, 12, 14);
+        right[k] = __builtin_shufflevector(near, far, 1, 3, 5, 7, 9, 11, 13, 15);
+      }
+    }
+    const FloatLanes top = (1 - tap.right) * left[0] + tap.right * right[0],
+                     bottom = (1 - tap.right) * left[1] + tap.right * right[1];
+    const FloatLanes mixed = (1 - tap.down) * top + tap.down * bottom;
+    const DoubleLanes luma = __builtin_convertvector(mixed, DoubleLanes);
+    dot += static_cast<double>(tap.value) * luma;
+    sum += luma;
+    squares += luma * luma;
+  }
+  std::memcpy(out.dot, &dot, sizeof(dot));
+  std::memcpy(out.sum, &sum, sizeof(sum));
+  std::memcpy(out.squares, &squares, sizeof(squares));
+}
 
 ALIGNGS_TARGET_CLONES
-void add_tap(const float* upper, const float* lower, float right, float down, float value, int count,
-             const RowSums& sums) {
-  double* __restrict dot = sums.dot;
-  double* __restrict sum = sums.sum;
-  double* __restrict squares = sums.squares;
-  for (int k = 0; k < count; ++k) {
-    const float top = (1 - right) * upper[k] + right * upper[k + 1],
-                bottom = (1 - right) * lower[k] + right * lower[k + 1];
-    const double luma = (1 - down) * top + down * bottom;
-    dot[k] += value * luma;
-    sum[k] += luma;
-    squares[k] += luma * luma;
-  }
+void add_taps_of_neighbours(const ShiftedScores::Tap* taps, size_t count, const float* pixels, ptrdiff_t width,
+                            ptrdiff_t shift, ShiftedScores::Sums& out) {
+  add_taps<1>(taps, count, pixels, width, shift, out);
+}
+
+ALIGNGS_TARGET_CLONES
+void add_taps_of_every_second(const ShiftedScores::Tap* taps, size_t count, const float* pixels, ptrdiff_t width,
+                              ptrdiff_t shift, ShiftedScores::Sums& out) {
+  add_taps<2>(taps, count, pixels, width, shift, out);
 }
 
 }  // namespace
@@ -85,31 +116,47 @@ ShiftedScores::ShiftedScores(const Patch& patch, const ImageF& luma) : luma_(lum
   }
 }
 
-double ShiftedScores::at(int dx, int dy) {
-  double score;
-  row(dx, 1, dy, &score);
-  return score;
+double ShiftedScores::score(double dot, double sum, double squares) const {
+  const double n = static_cast<double>(taps_.size()), spread = squares - sum * sum / n;
+  return spread > kFlat * n ? dot / std::sqrt(spread) : kOutside;
 }
 
-void ShiftedScores::row(int first, int count, int dy, double* out) {
+double ShiftedScores::at(int dx, int dy) const {
+  if (first_row_ + dy < 0 || last_row_ + dy > luma_.height - 2) return kOutside;
+  if (first_column_ + dx < 0 || last_column_ + dx > luma_.width - 2) return kOutside;
+  double dot = 0, sum = 0, squares = 0;
+  for (const Tap& tap : taps_) {
+    const int x = tap.column + dx, y = tap.row + dy;
+    const float top = (1 - tap.right) * luma_.at(x, y) + tap.right * luma_.at(x + 1, y),
+                bottom = (1 - tap.right) * luma_.at(x, y + 1) + tap.right * luma_.at(x + 1, y + 1);
+    const double luma = (1 - tap.down) * top + tap.down * bottom;
+    dot += static_cast<double>(tap.value) * luma;
+    sum += luma;
+    squares += luma * luma;
+  }
+  return score(dot, sum, squares);
+}
+
+void ShiftedScores::row(int first, int count, int step, int dy, double* out) const {
   std::fill(out, out + count, kOutside);
   if (first_row_ + dy < 0 || last_row_ + dy > luma_.height - 2) return;
   // The shifts that keep all four pixels under every tap inside of the photo.
-  const int begin = std::max(first, -first_column_), end = std::min(first + count, luma_.width - 1 - last_column_);
-  const int inside = end - begin;
-  if (inside <= 0) return;
-  for (std::vector<double>* sums : {&dot_, &sum_, &squares_}) sums->assign(static_cast<size_t>(inside), 0.0);
-  const size_t width = static_cast<size_t>(luma_.width);
-  for (const Tap& tap : taps_) {
-    const float* upper =
-        &luma_.data[static_cast<size_t>(tap.row + dy) * width + static_cast<size_t>(tap.column + begin)];
-    add_tap(upper, upper + width, tap.right, tap.down, tap.value, inside, {dot_.data(), sum_.data(), squares_.data()});
-  }
-  const double n = static_cast<double>(taps_.size());
-  for (int k = 0; k < inside; ++k) {
-    const size_t i = static_cast<size_t>(k);
-    const double spread = squares_[i] - sum_[i] * sum_[i] / n;
-    if (spread > kFlat * n) out[begin - first + k] = dot_[i] / std::sqrt(spread);
+  const int least = -first_column_, most = luma_.width - 2 - last_column_;
+  const int begin = first >= least ? 0 : (least - first + step - 1) / step;
+  const int end = most >= first ? std::min(count, (most - first) / step + 1) : 0;
+  const ptrdiff_t width = luma_.width, pixels = static_cast<ptrdiff_t>(luma_.data.size());
+  for (int k = begin; k < end; k += kTogether) {
+    const int dx = first + k * step, inside = std::min(kTogether, end - k);
+    // One more row below, and the step's pixels of every shift.
+    const ptrdiff_t past = (last_row_ + dy + 1) * width + last_column_ + dx + step * kTogether + 1;
+    if (past > pixels) {  // at the photo's end
+      for (int i = 0; i < inside; ++i) out[k + i] = at(dx + i * step, dy);
+      continue;
+    }
+    Sums sums;
+    (step == 1 ? add_taps_of_neighbours : add_taps_of_every_second)(taps_.data(), taps_.size(), luma_.data.data(),
+                                                                    width, dy * width + dx, sums);
+    for (int i = 0; i < inside; ++i) out[k + i] = score(sums.dot[i], sums.sum[i], sums.squares[i]);
   }
 }
 

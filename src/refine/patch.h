@@ -20,31 +20,36 @@ std::optional<Patch> carry_over(const MatchView& from, int x, int y, const Match
                                 const MatchSettings& settings);
 
 /// Normalised cross-correlation with the photo when all places are shifted by whole pixels. kOutside where the patch
-/// leaves
-/// the photo or the photo is flat there.
+/// leaves the photo or the photo is flat there.
 class ShiftedScores {
  public:
   static constexpr double kOutside = -1;
+  static constexpr int kTogether = 8;  ///< shifts whose sums are formed side by side
 
-  /// Both outlive it.
-  ShiftedScores(const Patch& patch, const ImageF& luma);
-
-  double at(int dx, int dy);
-  /// out[k] = at(first + k, dy) for 0 <= k < count, faster than one by one.
-  void row(int first, int count, int dy, double* out);
-
- private:
   /// A pixel of the patch between four of the photo.
   struct Tap {
     int column, row;    ///< of the upper left one, without a shift
     float right, down;  ///< shares of the right and the lower ones
     float value;        ///< Patch::value
   };
+  /// Over the taps, by shift.
+  struct Sums {
+    double dot[kTogether], sum[kTogether], squares[kTogether];
+  };
+
+  /// Both outlive it.
+  ShiftedScores(const Patch& patch, const ImageF& luma);
+
+  double at(int dx, int dy) const;
+  /// out[k] = at(first + k * step, dy) for 0 <= k < count, faster than one by one and the same bits. `step`: 1 or 2.
+  void row(int first, int count, int step, int dy, double* out) const;
+
+ private:
+  double score(double dot, double sum, double squares) const;
 
   const ImageF& luma_;
   std::vector<Tap> taps_;
   int first_column_, last_column_, first_row_, last_row_;  ///< of all taps
-  std::vector<double> dot_, sum_, squares_;                ///< scratch
 };
 
 }  // namespace aligngs

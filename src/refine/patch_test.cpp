@@ -49,13 +49,19 @@ TEST(ShiftedScores, AreCorrelations) {
 }
 
 TEST(ShiftedScores, ARowIsWhatSingleShiftsAre) {
-  const ImageF image = noise(16, 12);
   const Patch patch = small_patch();
-  ShiftedScores scores(patch, image);
-  double row[31];
-  for (int dy = -6; dy <= 12; ++dy) {
-    scores.row(-15, 31, dy, row);
-    for (int dx = -15; dx <= 15; ++dx) EXPECT_EQ(row[dx + 15], scores.at(dx, dy)) << dx << ", " << dy;
+  for (const int width : {16, 37}) {
+    const ImageF image = noise(width, 12);
+    const ShiftedScores scores(patch, image);
+    for (const int step : {1, 2}) {
+      for (int dy = -6; dy <= 12; ++dy) {
+        double row[31];
+        scores.row(-15, 31, step, dy, row);
+        for (int k = 0; k < 31; ++k) {
+          EXPECT_EQ(row[k], scores.at(step * k - 15, dy)) << width << ", " << step << ", " << k << ", " << dy;
+        }
+      }
+    }
   }
 }
 
