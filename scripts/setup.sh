@@ -13,7 +13,7 @@ packages=(
   libturbojpeg0-dev libspng-dev libwebp-dev libheif-dev libexif-dev zlib1g-dev
   libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev libmeshoptimizer-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdnnl-dev libboost-dev
-  libcurl4-openssl-dev libceres-dev
+  libcurl4-openssl-dev
 )
 for option in "$@"; do
   case "$option" in

@@ -28,7 +28,6 @@ class RefineCommand : public testing::Test {
   static void SetUpTestSuite() { testing_support::write_small_scene(original()); }
   static void TearDownTestSuite() { fs::remove_all(original()); }
   void SetUp() override {
-    if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
     fs::remove_all(root());
     fs::create_directories(root());
     fs::copy(original(), root() / "scene", fs::copy_options::recursive);

@@ -15,4 +15,13 @@ inline Mat3d rotation_of(const Vec3d& turn) {
   return rotation_matrix(Quaterniond{std::cos(angle / 2), a.x, a.y, a.z});
 }
 
+/// The shortest one: rotation_of of it is `rotation`.
+inline Vec3d rotation_vector_of(const Mat3d& rotation) {
+  const Quaterniond q = quaternion_of(rotation);
+  const Vec3d axis = q.w < 0 ? Vec3d{-q.x, -q.y, -q.z} : Vec3d{q.x, q.y, q.z};
+  const double sine = norm(axis);
+  if (sine < 1e-12) return axis * 2.0;  // the angle's quotient is lost in rounding
+  return axis * (2 * std::atan2(sine, std::abs(q.w)) / sine);
+}
+
 }  // namespace aligngs

@@ -115,7 +115,6 @@ TEST_F(RunPlanTest, AWholeSceneIsTrainedAsItIs) {
 }
 
 TEST_F(RunPlanTest, ASceneThatIsRefinedBelongsToTheRun) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   scene();
   const RunPlan made = plan();
   EXPECT_EQ(made.step(RunStep::kRefine).outlook, Outlook::kPlanned) << made.step(RunStep::kRefine).reason;

@@ -4,7 +4,6 @@
 
 #include "priors/scene_priors.h"
 #include "priors/teacher_list.h"
-#include "refine/bundle_adjustment.h"
 #include "refine/refined_scene.h"
 #include "train/training_set.h"
 
@@ -91,9 +90,6 @@ Decision decide_measure(const Scene& scene, const TrainConfig& config) {
 
 Decision may_refine(const TrainConfig& config) {
   if (!config.data.refine_cameras) return no("the settings leave it out (data.refine_cameras)");
-  if (!bundle_adjustment_available()) {
-    return no("cameras stay unrefined: this program was built without Ceres (libceres-dev)", Notice::kWarning);
-  }
   return yes("cameras and prior depth are corrected from the photos");
 }
 

@@ -44,9 +44,8 @@ Decision decide_measure(const Scene& scene, const TrainConfig& config);
 /// Whether the settings allow it, whatever the scene is.
 Decision may_measure(const TrainConfig& config);
 
-/// Cameras and prior depth corrected: data.refine_cameras asks for it, and the program was built with Ceres. Every
-/// training view has metric prior depth that training will use and that no sensor made. The scene has not been refined
-/// before.
+/// Cameras and prior depth corrected: data.refine_cameras asks for it. Every training view has metric prior depth that
+/// training will use and that no sensor made. The scene has not been refined before.
 Decision decide_refine(const Scene& scene, const TrainConfig& config);
 Decision may_refine(const TrainConfig& config);
 

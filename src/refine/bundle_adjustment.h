@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/thread_pool.h"
 #include "refine/match_covariance.h"
 #include "scene/camera.h"
 
@@ -30,7 +31,7 @@ struct BundleSettings {
   double pixel = 0.1;
   int iterations = 50;  ///< at most
   /// stops when an iteration brings less, relative to the cost: more moves no camera by as much as it is wrong
-  double tolerance = 1e-4;
+  double tolerance = 1e-6;
 };
 
 struct BundleProblem {
@@ -52,13 +53,11 @@ struct BundleReport {
   bool converged = false;
 };
 
-/// Whether this program was built with Ceres; without it adjust_bundle is Error{kFailed} with the remedy.
-bool bundle_adjustment_available();
-
-/// Minimises robust reprojection errors, log-depth factors and priors of poses, scales and focal length (Ceres, dense
-/// Schur complement: made for tens of views). Observations behind a camera are left out. Without observations nothing
-/// changes.
-BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& settings);
+/// Minimises robust reprojection errors (Cauchy loss), log-depth factors and priors of poses, scales and focal length:
+/// Levenberg-Marquardt, points eliminated, dense in the cameras (made for tens of views). Observations behind a camera
+/// are left out. Without observations, or with one that is not finite, nothing changes. The same bits for any number of
+/// threads.
+BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& settings, ThreadPool& pool);
 
 /// Reprojection error of an observation, pixels; infinite behind the camera.
 double reprojection_error(const Camera& camera, const Vec3d& point, const Vec2d& pixel);

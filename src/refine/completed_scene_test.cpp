@@ -136,7 +136,6 @@ TEST_F(CompletedScene, CamerasAreCheckedAndStayWhereTheyAgree) {
 }
 
 TEST_F(CompletedScene, WrongCamerasAreWrittenCorrected) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   write(1);
   Scene scene = open_scene(root_ / "scene");
   Random random(7);

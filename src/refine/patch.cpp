@@ -6,15 +6,12 @@
 #include <cstring>
 
 #include "core/target_clones.h"
+#include "core/vector_lanes.h"
 
 namespace aligngs {
 namespace {
 
 constexpr double kFlat = 1e-6;  // variance of luma that is none
-
-constexpr int kLanes = ShiftedScores::kTogether;
-typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
-typedef double DoubleLanes __attribute__((vector_size(kLanes * sizeof(double))));
 
 /// `shift`: from a tap's place to that of the first shift, in pixels of the row-major photo.
 template <int kStep>
@@ -145,10 +142,10 @@ void ShiftedScores::row(int first, int count, int step, int dy, double* out) con
   const int begin = first >= least ? 0 : (least - first + step - 1) / step;
   const int end = most >= first ? std::min(count, (most - first) / step + 1) : 0;
   const ptrdiff_t width = luma_.width, pixels = static_cast<ptrdiff_t>(luma_.data.size());
-  for (int k = begin; k < end; k += kTogether) {
-    const int dx = first + k * step, inside = std::min(kTogether, end - k);
+  for (int k = begin; k < end; k += kLanes) {
+    const int dx = first + k * step, inside = std::min(kLanes, end - k);
     // One more row below, and the step's pixels of every shift.
-    const ptrdiff_t past = (last_row_ + dy + 1) * width + last_column_ + dx + step * kTogether + 1;
+    const ptrdiff_t past = (last_row_ + dy + 1) * width + last_column_ + dx + step * kLanes + 1;
     if (past > pixels) {  // at the photo's end
       for (int i = 0; i < inside; ++i) out[k + i] = at(dx + i * step, dy);
       continue;

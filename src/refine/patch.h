@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/vector_lanes.h"
 #include "refine/guided_match.h"
 
 namespace aligngs {
@@ -24,7 +25,6 @@ std::optional<Patch> carry_over(const MatchView& from, int x, int y, const Match
 class ShiftedScores {
  public:
   static constexpr double kOutside = -1;
-  static constexpr int kTogether = 8;  ///< shifts whose sums are formed side by side
 
   /// A pixel of the patch between four of the photo.
   struct Tap {
@@ -32,9 +32,9 @@ class ShiftedScores {
     float right, down;  ///< shares of the right and the lower ones
     float value;        ///< Patch::value
   };
-  /// Over the taps, by shift.
+  /// Over the taps, of shifts side by side.
   struct Sums {
-    double dot[kTogether], sum[kTogether], squares[kTogether];
+    double dot[kLanes], sum[kLanes], squares[kLanes];
   };
 
   /// Both outlive it.

@@ -142,7 +142,7 @@ class Refinement {
 
   void solve(const BundleSettings& settings) {
     BundleProblem bundle = problem();
-    BundleReport report = adjust_bundle(bundle, settings);
+    BundleReport report = adjust_bundle(bundle, settings, pool_);
     if (adjusted_) {  // the report starts with the cameras of the input
       report.start_rms = bundle_.start_rms;
       report.start_median = bundle_.start_median;

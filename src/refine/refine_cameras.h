@@ -68,7 +68,7 @@ struct RefineResult {
 using RefineProgress = std::function<void(double share)>;
 
 /// Matches, adjusts, registers test views, corrects depths. `extent` in scene units. Deterministic for any number of
-/// threads. Views that see nothing of each other keep their cameras. Error{kFailed} without Ceres.
+/// threads. Views that see nothing of each other keep their cameras.
 RefineResult refine_cameras(const std::vector<RefineView>& views, double extent, const RefineSettings& settings,
                             ThreadPool& pool, const RefineProgress& progress = {});
 

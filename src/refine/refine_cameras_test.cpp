@@ -48,9 +48,6 @@ RefineSettings few_corners() {
 
 class RefineCamerasTest : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
-  }
   ThreadPool pool_{2};
 };
 

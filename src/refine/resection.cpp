@@ -43,7 +43,7 @@ void place_once(const PlacedScene& scene, const std::vector<WantedPhoto*>& wante
   BundleSettings bundle = settings.bundle;
   bundle.focal = 0;
   bundle.pixel = settings.coarse_pixel;
-  adjust_bundle(resection, bundle);
+  adjust_bundle(resection, bundle, pool);
   const auto wrong = [&](const Observation& o) {
     return reprojection_error(resection.cameras[static_cast<size_t>(o.view)],
                               resection.points[static_cast<size_t>(o.point)], o.pixel) > settings.outlier;
@@ -63,7 +63,7 @@ void place_once(const PlacedScene& scene, const std::vector<WantedPhoto*>& wante
   for (size_t i = 0; i < wanted.size(); ++i) found.push_back(count(i));
   all.erase(std::remove_if(all.begin(), all.end(), wrong), all.end());
   bundle.pixel = settings.bundle.pixel;
-  adjust_bundle(resection, bundle);
+  adjust_bundle(resection, bundle, pool);
   for (size_t i = 0; i < wanted.size(); ++i) {
     const int fitting = count(i);
     const bool enough = fitting >= settings.least_observations && fitting >= settings.least_fitting * found[i] &&

@@ -16,7 +16,6 @@ constexpr double kPlaced = 0.6;     // degrees: one and a half pixels of these s
 class ResectionTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
     for (int i = 0; i < 6; ++i) {
       if (i != kWanted) views_.push_back(photo(true_camera(i), kRoughness));
     }

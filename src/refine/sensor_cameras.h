@@ -35,8 +35,7 @@ struct SensorCameras {
 };
 
 /// `views`: as for refine_cameras(), training photos with depth in scene units. With `correct` false nothing is
-/// corrected and `after` is `before`. Deterministic for any number of threads. Error{kFailed} without Ceres, if
-/// `correct`.
+/// corrected and `after` is `before`. Deterministic for any number of threads.
 SensorCameras check_sensor_cameras(const std::vector<RefineView>& views, double extent, bool correct,
                                    const SensorCameraSettings& settings, ThreadPool& pool,
                                    const RefineProgress& progress = {});

@@ -65,7 +65,6 @@ TEST_F(SensorCamerasTest, TheResidualIsTheTurnInPixels) {
 }
 
 TEST_F(SensorCamerasTest, CamerasThatAreFourPixelsOffAreCorrected) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   const std::vector<RefineView> views = tracked_photos(9, 1, 1.1, 0.01);
   const SensorCameras out = check(views);
   EXPECT_GT(out.before, 2.5);
@@ -91,7 +90,6 @@ std::vector<RefineView> photos_with_a_blank() {
 }
 
 TEST_F(SensorCamerasTest, APhotoThatShowsNothingFollowsItsNearNeighbour) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   const std::vector<RefineView> views = photos_with_a_blank();
   const SensorCameras out = check(views);
   ASSERT_TRUE(out.corrected);
@@ -102,7 +100,6 @@ TEST_F(SensorCamerasTest, APhotoThatShowsNothingFollowsItsNearNeighbour) {
 }
 
 TEST_F(SensorCamerasTest, APhotoThatShowsNothingAndIsFarFromOthersKeepsItsCamera) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   const std::vector<RefineView> views = photos_with_a_blank();
   SensorCameraSettings settings = quick_settings();
   settings.near_distance = 0.01;
@@ -112,7 +109,6 @@ TEST_F(SensorCamerasTest, APhotoThatShowsNothingAndIsFarFromOthersKeepsItsCamera
 }
 
 TEST_F(SensorCamerasTest, APhotoWithFewMatchesIsNotTrusted) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   SensorCameraSettings settings = quick_settings();
   settings.least_of_photo = 1000000;
   const SensorCameras out = check_sensor_cameras(tracked_photos(6, 0, 1.1, 0.01), kWallExtent, true, settings, pool_);
@@ -129,7 +125,6 @@ TEST_F(SensorCamerasTest, PhotosWithoutMatchesSayNothing) {
 }
 
 TEST_F(SensorCamerasTest, AnyNumberOfThreadsGivesTheSameCameras) {
-  if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
   const std::vector<RefineView> views = tracked_photos(6, 1, 1.1, 0.01);
   ThreadPool one(1), three(3);
   const SensorCameras a = check_sensor_cameras(views, kWallExtent, true, quick_settings(), one),

@@ -72,7 +72,7 @@ CompletedScene complete_into_run(const Scene& scene, const fs::path& run, const 
                                  const CommandContext& context) {
   CompleteSceneOptions options;
   options.check_cameras = is_sensor_depth(scene.prior_source);
-  options.correct_cameras = options.check_cameras && config.data.sensor_cameras && bundle_adjustment_available();
+  options.correct_cameras = options.check_cameras && config.data.sensor_cameras;
   options.overwrite = options.in_place = true;  // RUN/scene may be what is read
   options.exposure = config.data.exposure && config.data.sensor_exposure;
   options.clean = config.data.clean_depth;
