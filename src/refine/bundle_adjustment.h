@@ -53,8 +53,8 @@ struct BundleReport {
   bool converged = false;
 };
 
-/// Minimises robust reprojection errors (Cauchy loss), log-depth factors and priors of poses, scales and focal length:
-/// Levenberg-Marquardt, points eliminated, dense in the cameras (made for tens of views). Observations behind a camera
+/// Minimises robust reprojection errors (Cauchy loss), log-depth factors and priors of poses, scales and focal length.
+/// Levenberg-Marquardt with points eliminated, dense in the cameras: made for tens of views. Observations behind a camera
 /// are left out. Without observations, or with one that is not finite, nothing changes. The same bits for any number of
 /// threads.
 BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& settings, ThreadPool& pool);

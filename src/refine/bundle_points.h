@@ -8,7 +8,7 @@
 
 namespace aligngs {
 
-/// What Levenberg-Marquardt adds to an element of the diagonal.
+/// Levenberg-Marquardt adds this to an element of the diagonal.
 double bundle_damping(double diagonal, double radius);
 
 /// Symmetric: xx, xy, xz, yy, yz, zz.
@@ -36,7 +36,7 @@ struct TermLink {
   Lanes by_axis[3];
 };
 
-/// Of a point, for its own step.
+/// A point's own, for its step.
 struct PointEquations {
   Symmetric3 inverse;  ///< of its damped block; zeros if that is singular
   Vec3d gradient;

@@ -25,7 +25,7 @@ class BundleSystem {
   BundleSystem(const BundleProblem& problem, const BundleSettings& settings, ThreadPool& pool);
 
   /// Numbers in the problem of the views with observations: those of states and steps, in this order. Others change no
-  /// bit.
+  /// bit of the result.
   const std::vector<size_t>& views() const { return views_; }
   BundleState start() const;
   /// Infinite where a point lies behind a camera that sees it.

@@ -1,4 +1,4 @@
-// What an observation says about its camera, its point and its view's depth, and how that changes with them.
+// Residuals of an observation, and their derivatives by its camera, its point and the scale of its view's depth.
 #pragma once
 
 #include <array>
