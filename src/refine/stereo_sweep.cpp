@@ -129,10 +129,7 @@ class Sweep {
     warp_row(row, width_, terms_.terms(y));
     for (int k = 0; k < kTerms; ++k) {
       std::copy_n(terms_.term(k, y), width_, &padded_[static_cast<size_t>(half_)]);
-      float* sum = sums_.term(k, y);
-      std::copy_n(padded_.data(), width_, sum);
-      for (int column = 1; column <= 2 * half_; ++column)
-        add_to_row(&padded_[static_cast<size_t>(column)], width_, sum);
+      sum_strided(padded_.data(), 1, 2 * half_ + 1, width_, sums_.term(k, y));
     }
   }
 
@@ -144,9 +141,7 @@ class Sweep {
     for (int y = 0; y < height_; ++y) {
       const int first = std::max(0, y - half_), last = std::min(height_ - 1, y + half_);
       for (int k = 0; k < kTerms; ++k) {
-        float* sum = window_.term(k, 0);
-        std::copy_n(sums_.term(k, first), width_, sum);
-        for (int row = first + 1; row <= last; ++row) add_to_row(sums_.term(k, row), width_, sum);
+        sum_strided(sums_.term(k, first), static_cast<size_t>(width_), last - first + 1, width_, window_.term(k, 0));
       }
       score_row(window_.terms(0), terms_.term(0, y), rule, width_, score_.data());
       for (auto& best : scores_) keep_best_row(width_, score_.data(), &best[size_t(y) * width_]);

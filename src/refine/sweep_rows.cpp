@@ -1,8 +1,10 @@
 #include "refine/sweep_rows.h"
 
 #include <cmath>
+#include <cstring>
 
 #include "core/target_clones.h"
+#include "core/vector_lanes.h"
 
 namespace aligngs {
 namespace {
@@ -53,9 +55,22 @@ void warp_row(const WarpedRow& row, int count, const WindowTerms& out) {
 }
 
 ALIGNGS_TARGET_CLONES
-void add_to_row(const float* in, int count, float* out) {
-  float* __restrict to = out;
-  for (int i = 0; i < count; ++i) to[i] += in[i];
+void sum_strided(const float* in, size_t stride, int terms, int count, float* out) {
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {  // sums stay in registers
+    FloatLanes sum, next;
+    std::memcpy(&sum, in + i, sizeof(sum));
+    for (int term = 1; term < terms; ++term) {
+      std::memcpy(&next, in + static_cast<size_t>(term) * stride + static_cast<size_t>(i), sizeof(next));
+      sum += next;
+    }
+    std::memcpy(out + i, &sum, sizeof(sum));
+  }
+  for (; i < count; ++i) {
+    float sum = in[i];
+    for (int term = 1; term < terms; ++term) sum += in[static_cast<size_t>(term) * stride + static_cast<size_t>(i)];
+    out[i] = sum;
+  }
 }
 
 ALIGNGS_TARGET_CLONES

@@ -1,6 +1,8 @@
 // Steps of stereo_sweep.h for one row of pixels after the other; each compiled for several instruction sets.
 #pragma once
 
+#include <cstddef>
+
 #include "core/vec.h"
 
 namespace aligngs {
@@ -26,8 +28,9 @@ struct WarpedRow {
 /// Terms of `count` pixels; zeros where a pixel falls outside of the other photo or behind its camera.
 void warp_row(const WarpedRow& row, int count, const WindowTerms& out);
 
-/// out[x] += in[x].
-void add_to_row(const float* in, int count, float* out);
+/// out[x] = in[x] + in[x + stride] + ..., `terms` of them, for 0 <= x < count: sums over the columns of windows with stride
+/// 1, over their rows with the length of a row.
+void sum_strided(const float* in, size_t stride, int terms, int count, float* out);
 
 struct ScoreRule {
   float least_count;     ///< of a window's pixels
