@@ -104,7 +104,7 @@ void run_priors(const CommandContext& context, PriorsOptions& options) {
     document["semantics"] = json_of(report);
     semantics_line = line_of(report);
   }
-  if (copy) copy->commit();
+  if (copy) place_scene(*copy, options.fill.overwrite, {scene.folder});
   if (context.global.json)
     print_json(document);
   else

@@ -246,8 +246,7 @@ CompleteSceneReport complete_scene(Scene scene, const fs::path& output, const Co
     for (size_t i = 0; i < cleaned.size(); ++i)
       write_sensor_maps(scene, scene.train[i], cleaned[i], replacement.path());
   mark_as_own(replacement.path());
-  require_scene_place(output, options.overwrite, sources);  // filled meanwhile?
-  replacement.commit();
+  place_scene(replacement, options.overwrite, sources);
   return report;
 }
 

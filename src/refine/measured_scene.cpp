@@ -128,8 +128,7 @@ MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const Meas
   note_depth(folder, report.measured);
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
   mark_as_own(folder);
-  require_scene_place(output, options.overwrite, sources);  // filled meanwhile?
-  replacement.commit();
+  place_scene(replacement, options.overwrite, sources);
   return report;
 }
 

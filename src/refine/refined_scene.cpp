@@ -346,8 +346,7 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
   note_refinement(report.cameras, folder);
   mark_as_own(folder);
-  require_scene_place(output, options.overwrite, sources);  // filled meanwhile?
-  replacement.commit();
+  place_scene(replacement, options.overwrite, sources);
   return report;
 }
 

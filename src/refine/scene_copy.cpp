@@ -31,7 +31,7 @@ void write_scene_copy(const fs::path& from, const fs::path& to, bool overwrite) 
   FolderReplacement replacement(to);
   copy_scene(from, replacement.path());
   mark_as_own(replacement.path());
-  replacement.commit();
+  place_scene(replacement, overwrite, {from});
 }
 
 void write_scene_cameras(const Scene& scene, const std::vector<Camera>& cameras, const fs::path& folder) {

@@ -1,11 +1,17 @@
 #include "scene/scene_place.h"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "io/atomic_file.h"
+#include "io/folder_replacement.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
+#include "scene/photo_mask.h"
 #include "scene/scene_json.h"
 
 namespace aligngs {
@@ -18,6 +24,56 @@ nlohmann::ordered_json description_of(const fs::path& folder) {
   const fs::path file = folder / "scene.json";
   return fs::is_regular_file(file) ? parse_ordered_json(read_file(file, kMaxSceneFile))
                                    : nlohmann::ordered_json::object();
+}
+
+/// The parts that this program writes into a scene (docs/formats.md, "Scene folder").
+constexpr std::array<std::string_view, 13> kSceneEntries = {
+    "images",   "masks",       "sparse",     "pred_depths", "pred_confidence", "segmentation_logits",
+    "segments", "priors.json", "split.json", "scene.json",  "labels.csv",      "exposure.json",
+    "truth"};
+
+/// Left by a command that was killed (core/temporary_paths.h).
+bool is_left_over(const std::string& name) { return name.find(".tmp-") != std::string::npos; }
+
+bool is_entry_of_scene(const std::string& name) {
+  return std::find(kSceneEntries.begin(), kSceneEntries.end(), name) != kSceneEntries.end();
+}
+
+/// `from` is to exist at `to` as well: linked where the file system can do that.
+void keep(const fs::path& from, const fs::path& to) {
+  constexpr fs::copy_options kHow = fs::copy_options::recursive | fs::copy_options::copy_symlinks;
+  std::error_code error;
+  fs::remove_all(to, error);  // a copy of a source brought its own
+  if (!error) fs::copy(from, to, kHow | fs::copy_options::create_hard_links, error);
+  if (!error) return;
+  fs::remove_all(to, error);
+  if (!error) fs::copy(from, to, kHow, error);
+  if (error)
+    throw_resources(from, "this cannot be kept beside the new scene: " + error.message(),
+                    "move it elsewhere, then run the same command again");
+}
+
+/// `masks.old`, or the first of `masks.old-2` and so on that is free in both folders.
+std::string free_name_of_masks(const fs::path& a, const fs::path& b) {
+  std::string name = "masks.old";
+  for (int i = 2; fs::exists(a / name) || fs::exists(b / name); ++i) name = "masks.old-" + std::to_string(i);
+  return name;
+}
+
+void keep_files_of_others(const fs::path& former, const fs::path& next) {
+  if (!fs::is_directory(former)) return;
+  std::string kept;
+  for (const auto& entry : fs::directory_iterator(former)) {
+    const std::string name = entry.path().filename().string();
+    if (is_entry_of_scene(name) || is_left_over(name)) continue;
+    keep(entry.path(), next / name);
+    kept += (kept.empty() ? "" : ", ") + name;
+  }
+  if (!kept.empty()) log_info("{}: kept what aligngs did not write: {}", former.string(), kept);
+  if (!fs::is_directory(former / kMaskFolder) || fs::exists(next / kMaskFolder)) return;
+  const std::string name = free_name_of_masks(former, next);
+  keep(former / kMaskFolder, next / name);
+  log_warning("{}: the new scene has no masks; those of the former one are in {}/", former.string(), name);
 }
 
 }  // namespace
@@ -53,6 +109,12 @@ void require_scene_place(const fs::path& folder, bool overwrite, const std::vect
   }
   if (!overwrite)
     refuse("there is a scene already", "choose another folder, or add --overwrite to replace the scene in it");
+}
+
+void place_scene(FolderReplacement& replacement, bool overwrite, const std::vector<fs::path>& sources) {
+  require_scene_place(replacement.target(), overwrite, sources);  // filled meanwhile?
+  keep_files_of_others(replacement.target(), replacement.path());
+  replacement.commit();
 }
 
 }  // namespace aligngs

@@ -6,6 +6,8 @@
 
 namespace aligngs {
 
+class FolderReplacement;
+
 /// Whether scene.json says that this program wrote the folder.
 bool is_own_scene(const std::filesystem::path& folder);
 
@@ -18,5 +20,12 @@ void mark_as_own(const std::filesystem::path& folder);
 /// replaced.
 void require_scene_place(const std::filesystem::path& folder, bool overwrite,
                          const std::vector<std::filesystem::path>& sources = {});
+
+/// Puts a finished scene in its place: require_scene_place() once more, then FolderReplacement::commit(). Files and
+/// folders that somebody else laid beside the parts of the former scene stay there. They are linked or copied before
+/// the former scene goes. Its masks stay as `masks.old` where the new scene has none, whose photos are perhaps others.
+/// Error{kResources} when something cannot be kept; both scenes then stay as they were.
+void place_scene(FolderReplacement& replacement, bool overwrite,
+                 const std::vector<std::filesystem::path>& sources = {});
 
 }  // namespace aligngs

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/folder_replacement.h"
 #include "scene/scene_json.h"
 
 namespace aligngs {
@@ -62,6 +63,43 @@ TEST_F(ScenePlace, TheMarkLeavesOtherFieldsAlone) {
   EXPECT_TRUE(is_own_scene(base_ / "folder"));
   EXPECT_TRUE(read_scene_json(base_ / "folder" / "scene.json").metric);
   EXPECT_THAT(read_file(base_ / "folder" / "scene.json"), HasSubstr("\"note\""));
+}
+
+TEST_F(ScenePlace, FilesOfOthersStayWhenASceneIsReplaced) {
+  const fs::path scene = base_ / "folder";
+  write_scene_json(scene / "scene.json", {});
+  write_file_atomically(scene / "sparse" / "cameras.bin", "former");
+  write_file_atomically(scene / "notes.txt", "mine");
+  write_file_atomically(scene / "my photos" / "a.jpg", "photo");
+  fs::create_symlink("nowhere", scene / "link");
+  FolderReplacement replacement(scene);
+  write_scene_json(replacement.path() / "scene.json", {});
+  write_file_atomically(replacement.path() / "notes.txt", "of the source, which was copied");
+  place_scene(replacement, true);
+  EXPECT_EQ(read_file(scene / "notes.txt"), "mine");
+  EXPECT_EQ(read_file(scene / "my photos" / "a.jpg"), "photo");
+  EXPECT_TRUE(fs::is_symlink(scene / "link"));
+  EXPECT_FALSE(fs::exists(scene / "sparse")) << "a part of the former scene";
+}
+
+TEST_F(ScenePlace, MasksOfAReplacedSceneAreKeptAsideWhereTheNewOneHasNone) {
+  const fs::path scene = base_ / "folder";
+  for (const char* name : {"masks.old", "masks.old-2"}) {
+    write_scene_json(scene / "scene.json", {});
+    write_file_atomically(scene / "masks" / "a.png", "drawn by hand");
+    FolderReplacement replacement(scene);
+    write_scene_json(replacement.path() / "scene.json", {});
+    place_scene(replacement, true);
+    EXPECT_EQ(read_file(scene / name / "a.png"), "drawn by hand");
+    EXPECT_FALSE(fs::exists(scene / "masks")) << "the new photos are perhaps others";
+  }
+  write_file_atomically(scene / "masks" / "a.png", "former");
+  FolderReplacement replacement(scene);
+  write_scene_json(replacement.path() / "scene.json", {});
+  write_file_atomically(replacement.path() / "masks" / "a.png", "new");
+  place_scene(replacement, true);
+  EXPECT_EQ(read_file(scene / "masks" / "a.png"), "new");
+  EXPECT_FALSE(fs::exists(scene / "masks.old-3"));
 }
 
 TEST_F(ScenePlace, NotEvenAnOwnSceneThatIsASourceIsReplaced) {

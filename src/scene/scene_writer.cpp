@@ -244,10 +244,7 @@ void SceneWriter::finish(const SceneParts& parts) {
   commit();
 }
 
-void SceneWriter::commit() {
-  require_scene_place(replacement_.target(), overwrite_, sources_);  // filled meanwhile?
-  replacement_.commit();
-}
+void SceneWriter::commit() { place_scene(replacement_, overwrite_, sources_); }
 
 void SceneWriter::write(const SceneParts& parts) {
   if (views_.empty()) fail("a scene needs at least one view", replacement_.target(), "views");
