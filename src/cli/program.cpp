@@ -19,6 +19,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/shell_word.h"
+#include "core/standard_streams.h"
 #include "core/stop_signal.h"
 #include "core/version.h"
 #include "io/file_system_error.h"
@@ -138,6 +139,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 }
 
 int run_program(int argc, char** argv) {
+  reserve_standard_streams();
   if (argc <= 1) {
     std::fputs(kStart, stderr);
     return kUsageStatus;

@@ -3,7 +3,7 @@
 //   1. A signal (Ctrl-C, SIGTERM, SIGHUP, SIGUSR1) is answered on standard error at once, and asks the program to stop.
 //   2. Stop points look at that request and throw Error{kInterrupted}, whose way out removes what is half-written.
 //      Every command passes one: in the loops of ThreadPool, and before a file or folder takes its place
-//      (io/atomic_file.h, io/folder_replacement.h).
+//      (io/atomic_file.h, io/folder_replacement.h). Networks pass one per tensor that they load (nn/weights.h).
 //   3. Work that reaches no stop point within kGraceSeconds is ended from outside. Half-written files
 //      (core/temporary_paths.h) are removed, and the process ends with status 75. A second Ctrl-C does the same at
 //      once, with status 130.
@@ -13,7 +13,9 @@
 
 namespace aligngs {
 
-inline constexpr double kGraceSeconds = 2;  // a command that was asked to stop has ended within 3
+/// A command that was asked to stop has ended within 3. The system takes up to 1.4 of them to take back the memory of a
+/// large network on a busy machine.
+inline constexpr double kGraceSeconds = 1.5;
 
 /// Installs the handlers, and starts the thread that ends what does not end itself. SIGHUP stays ignored where it is
 /// (nohup).

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/stop_signal.h"
 #include "io/array_shape.h"
 
 namespace aligngs::nn {
@@ -82,6 +83,7 @@ int64_t Weights::dimension(const std::string& name, size_t axis) const {
 }
 
 std::vector<float> Weights::load(const std::string& name, const Shape& expected) const {
+  stop_if_requested();
   const Shape found = shape(name);
   const std::vector<Part>& stored = parts(name);
   const auto fail = [&](const std::string& message) {

@@ -38,6 +38,7 @@ class Weights {
   Shape shape(const std::string& name) const;
   /// shape()[axis]; Error{kWeights} also when there is no such axis.
   int64_t dimension(const std::string& name, size_t axis) const;
+  /// The values, float32. A stop point (core/stop_signal.h): loading a large network takes many seconds.
   std::vector<float> load(const std::string& name, const Shape& expected) const;
   /// How many of prefix0, prefix1, ... begin the name of a tensor: count("blocks.").
   int count(const std::string& prefix) const;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/stop_signal.h"
 #include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
@@ -40,6 +41,18 @@ TEST(Weights, LoadsATensorOfTheExpectedShape) {
   const Weights weights(file());
   EXPECT_THAT(weights.load("blocks.0.w", {2, 2}), ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(weights.sub("blocks.1.").load("w", {1, 2}), ElementsAre(5, 6));
+}
+
+TEST(Weights, StopsBetweenTensors) {
+  const Weights weights(file());
+  request_stop();
+  try {
+    weights.load("blocks.0.w", {2, 2});
+    ADD_FAILURE() << "loaded";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInterrupted);
+  }
+  clear_stop_request();
 }
 
 TEST(Weights, NamesAMissingTensor) {

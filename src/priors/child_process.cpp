@@ -35,8 +35,8 @@ fs::path find_program(const std::string& name) {
 ChildResult run_child(const std::vector<std::string>& arguments, const fs::path& log,
                       const std::function<void(const std::string&)>& on_line) {
   constexpr size_t kLastCharacters = 2000;
-  constexpr int kPollMilliseconds = 200;  // how soon a stop request is seen
-  constexpr int kPollsToEnd = 4;          // 0.8 s to end after SIGTERM, well within kGraceSeconds (core/stop_signal.h)
+  constexpr int kPollMilliseconds = 100;  // how soon a stop request is seen
+  constexpr int kPollsToEnd = 6;          // 0.6 s to end after SIGTERM, well within kGraceSeconds (core/stop_signal.h)
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw_resources({}, std::strerror(errno));
   posix_spawn_file_actions_t actions;
