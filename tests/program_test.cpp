@@ -132,6 +132,10 @@ TEST_F(Program, ADeviceIsNoPlaceForAnExport) {
 TEST_F(Program, TheCaseOfAnExportFormatDoesNotMatter) {
   EXPECT_EQ(run("export nowhere -f Plan.SVG").status, 3) << "the run is missing, not the format";
   EXPECT_EQ(run("export nowhere -f fbx").status, 2);
+  for (const char* unused :
+       {"-f html --original-coordinates", "-f plan.dxf --original-coordinates", "-f plan.pdf --keep-frame"}) {
+    EXPECT_EQ(run(std::string("export nowhere ") + unused).status, 2) << unused;
+  }
 }
 
 TEST_F(Program, OutputThatDoesNotArriveIsStatus5) {

@@ -106,6 +106,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (what.parts != RoomParts::kAll && !both && !html)
       throw_usage("one part alone is for -f glb, usda and html",
                   "leave the option out: " + options->format + " holds one kind of thing");
+    const bool plan = options->format.starts_with("plan.");
     const bool shaped = what.triangles > 0 || what.error > 0 || what.closed || what.textured;
     if (shaped && ((!holds_mesh(options->format) && !html) || what.parts == RoomParts::kSplats)) {
       std::vector<std::string> meshes = export_formats();
@@ -116,8 +117,11 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (what.textured && html) throw_usage("the mesh of the page has colours of its vertices", "leave --textured out");
     if (what.textured && options->format == "collision.glb")
       throw_usage("a collision mesh has no colours", "leave --textured out");
-    if (!what.object.empty() && options->format.starts_with("plan."))
-      throw_usage("a plan is of the whole room", "leave --object out");
+    if (!what.object.empty() && plan) throw_usage("a plan is of the whole room", "leave --object out");
+    if (options->original_coordinates && (html || plan))
+      throw_usage("--original-coordinates is for files of splats and meshes",
+                  "leave it out: a page has the run's coordinates, and a plan those of the room");
+    if (options->keep_frame && plan) throw_usage("a plan has the coordinates of the room", "leave --keep-frame out");
     if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);

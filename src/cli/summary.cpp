@@ -26,7 +26,7 @@ std::string novel_views(const RunMetrics& m) {
 }
 
 std::string geometry(const RunMetrics& m) {
-  if (!m.geometry) return "geometry     not measured: the scene has no true mesh\n";
+  if (!m.geometry) return "geometry     not measured: the run has no mesh, or the scene no true mesh\n";
   const MeshProtocolResult& headline = m.geometry->headline;
   const MeshScores& s = headline.scores;
   const SurfaceQuality& surface = m.geometry->surface;
@@ -44,20 +44,17 @@ std::string geometry(const RunMetrics& m) {
              value(100 * surface.pinholes, "{:.2f}"));
 }
 
-std::string label_line(const char* name, double miou, double present, double accuracy, const char* samples) {
+std::string label_line(const char* name, const SemanticScores& s, const char* samples) {
   return fmt::format(
       "{} mIoU {} over classes with at least {:g} % of the {}, {} over all classes present, accuracy {}\n", name,
-      value(miou, "{:.3f}"), 100 * kLeastClassShare, samples, value(present, "{:.3f}"), value(accuracy, "{:.3f}"));
-}
-
-std::string label_line(const char* name, const SemanticScores& s, const char* samples) {
-  return label_line(name, s.miou, s.present_miou, s.accuracy, samples);
+      value(s.miou, "{:.3f}"), 100 * kLeastClassShare, samples, value(s.present_miou, "{:.3f}"),
+      value(s.accuracy, "{:.3f}"));
 }
 
 std::string labels(const RunMetrics& m) {
   if (!m.semantics && !m.mesh_labels) return "labels       not measured: no semantics or no true labels\n";
   std::string text = m.semantics ? label_line("labels      ", *m.semantics, "pixels")
-                                 : label_line("labels      ", kUndefined, kUndefined, kUndefined, "pixels");
+                                 : "labels       no test views with true labels\n";
   if (m.teacher) text += label_line("  teacher   ", *m.teacher, "pixels");
   if (m.mesh_labels) text += label_line("  mesh      ", m.mesh_labels->all, "points");
   return text;

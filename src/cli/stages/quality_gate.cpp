@@ -14,6 +14,19 @@
 #include "metrics/metrics_json.h"
 
 namespace aligngs {
+namespace {
+
+/// Why a part of the metrics is empty, as the end of a message; nothing where it was measured.
+std::string unmeasured_part(const RunMetrics& metrics, const std::string& figure) {
+  const std::string part = figure.substr(0, figure.find('.'));
+  const bool no_views = !metrics.novel_views || metrics.novel_views->views == 0;
+  if (part == "nvs" && no_views) return ": no test view was measured";
+  if (part == "geometry" && !metrics.geometry) return ": the run has no mesh, or the scene no true mesh";
+  if (part == "semantics" && !metrics.semantics) return ": no labels of test views were measured";
+  return "";
+}
+
+}  // namespace
 
 std::vector<LeastValue> least_values(const std::vector<std::string>& conditions) {
   const std::vector<std::pair<std::string, std::string>> short_names = {
@@ -45,7 +58,7 @@ void require_at_least(const RunMetrics& metrics, const std::vector<LeastValue>& 
   for (const auto& [figure, least] : values) {
     const auto found = figures.find(figure);
     if (found == figures.end()) {
-      throw_usage("--fail-under: this run has no number \"" + figure + "\"",
+      throw_usage("--fail-under: this run has no number \"" + figure + "\"" + unmeasured_part(metrics, figure),
                   "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
     }
     if (found->second < least) {

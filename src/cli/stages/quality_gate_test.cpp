@@ -34,6 +34,21 @@ TEST(QualityGate, AFigureThatWasNotMeasuredIsNoFigure) {
   EXPECT_EQ(failure_of(metrics_with_psnr(23), "ssim=0.1"), ErrorKind::kUsage) << "NaN";
 }
 
+TEST(QualityGate, SaysWhichPartOfTheRunWasNotMeasured) {
+  RunMetrics metrics;
+  metrics.novel_views.emplace().views = 0;
+  const std::pair<const char*, const char*> cases[] = {
+      {"psnr=1", "no test view was measured"}, {"fscore=0", "no true mesh"}, {"miou=0", "no labels of test views"}};
+  for (const auto& [condition, reason] : cases) {
+    try {
+      require_at_least(metrics, least_values({condition}));
+      ADD_FAILURE() << condition << " holds";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(QualityGate, ClassesOfTheLabelsAreFigures) {
   RunMetrics metrics;
   metrics.labels.classes = {{"wall", {}, {}}};
