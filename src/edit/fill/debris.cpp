@@ -62,7 +62,9 @@ void mark_unseen(const FillRoom& r, std::vector<uint8_t>& debris) {
     if (unseen[i]) hidden[{label, r.room.labels.instance[i]}].push_back(i);
     if (!unseen[i] && !debris[i] && !r.input.selected[i]) shown[{label, r.room.labels.instance[i]}].push_back(i);
   }
-  for (const auto& [thing, rows] : hidden) {
+  for (const auto& group : hidden) {  // clang 14 captures no structured binding in a lambda
+    const auto& thing = group.first;
+    const std::vector<uint32_t>& rows = group.second;
     const bool has_class = thing.first < r.classes.size();
     if (has_class && r.classes[thing.first].shell != PlaneKind::kNone) {
       for (const uint32_t i : rows) debris[i] = 1;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <set>
 
 #include "core/log.h"
 #include "scene/import/import_capture.h"
@@ -73,6 +74,22 @@ TEST_P(Importers, RandomCapturesComeOutAsTheyWereMeant) {
   }
   set_log_level(LogLevel::kInfo);
   fs::remove_all(folder);
+}
+
+/// A layout that is added to the program needs random captures as well.
+TEST(RandomCaptures, CoverEveryLayoutOfTheProgram) {
+  const fs::path folder = scratch_folder("property_layouts");
+  set_log_level(LogLevel::kSilent);
+  std::set<std::string> tried, known;
+  for (const Layout& layout : random_layouts()) {
+    fs::remove_all(folder);
+    const Written written = layout.write(0, folder);
+    tried.insert(read_capture(folder, written.options).layout);
+  }
+  set_log_level(LogLevel::kInfo);
+  fs::remove_all(folder);
+  for (const CaptureLayout& layout : capture_layouts()) known.insert(layout.name);
+  EXPECT_EQ(tried, known);
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, Importers, testing::ValuesIn(random_layouts()),
