@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "edit/mesh_selection.h"
+#include "edit/seen_surface.h"
 #include "edit/selection.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -22,10 +23,11 @@ constexpr uint64_t kLargestList = uint64_t(16) << 20;  // bytes of objects.json
 constexpr uint32_t kNoObject = ~0u;
 constexpr double kMatch = 0.5;  // IoU of an object that is found
 
-/// True object of each surface point of the run, the first of its name; kNoObject where no truth is near.
+/// True object of each surface point of the run, the first of its name; kNoObject where no truth is near. The floor
+/// under a rug is as near as the rug: surface that photos show goes first.
 std::vector<uint32_t> true_objects_of(const std::vector<Vec3f>& points, const TriangleMesh& truth,
-                                      const std::vector<TrueObject>& objects, const ObjectScoreOptions& options,
-                                      ThreadPool& pool) {
+                                      const std::vector<TrueObject>& objects, const std::vector<Camera>& cameras,
+                                      const ObjectScoreOptions& options, ThreadPool& pool) {
   SamplingOptions sampling;
   sampling.points_per_area = 1e4;  // 1 per cm^2: much finer than the threshold
   const SurfaceSamples samples = sample_surface(truth, sampling);
@@ -35,11 +37,22 @@ std::vector<uint32_t> true_objects_of(const std::vector<Vec3f>& points, const Tr
     while (objects[same].name != objects[o].name) ++same;
     for (uint32_t v = objects[o].first; v < objects[o].end; ++v) of_vertex[v] = same;
   }
-  const PointIndex index(samples.positions);
-  std::vector<uint32_t> out;
-  for (const Nearest& n : index.nearest(points, pool)) {
-    const bool has_truth = n.index != Nearest::kNoPoint && n.distance <= options.threshold;
-    out.push_back(has_truth ? of_vertex[truth.triangles[samples.triangles[n.index]][0]] : kNoObject);
+  const std::vector<uint8_t> seen = seen_from(cameras, samples.positions, truth, pool);
+  std::vector<uint32_t> out(points.size(), kNoObject);
+  for (const uint8_t shown : {uint8_t(1), uint8_t(0)}) {
+    std::vector<Vec3f> positions;
+    std::vector<uint32_t> owners;
+    for (size_t i = 0; i < seen.size(); ++i) {
+      if (seen[i] != shown) continue;
+      positions.push_back(samples.positions[i]);
+      owners.push_back(of_vertex[truth.triangles[samples.triangles[i]][0]]);
+    }
+    const std::vector<Nearest> nearest = PointIndex(std::move(positions)).nearest(points, pool);
+    for (size_t i = 0; i < out.size(); ++i) {
+      const Nearest& n = nearest[i];
+      if (out[i] == kNoObject && n.index != Nearest::kNoPoint && n.distance <= options.threshold)
+        out[i] = owners[n.index];
+    }
   }
   return out;
 }
@@ -140,7 +153,7 @@ std::vector<ObjectScore> score_objects(const EditableRoom& room, const TriangleM
   SamplingOptions sampling;
   sampling.points_per_area = options.points_per_area;
   const SurfaceSamples surface = sample_surface(room.mesh, sampling);
-  const std::vector<uint32_t> truly = true_objects_of(surface.positions, truth, objects, options, pool);
+  const std::vector<uint32_t> truly = true_objects_of(surface.positions, truth, objects, room.cameras, options, pool);
   std::vector<size_t> sizes(objects.size(), 0);
   for (const uint32_t o : truly) {
     if (o != kNoObject) ++sizes[o];

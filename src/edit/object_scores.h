@@ -46,7 +46,8 @@ struct ObjectDetection {
   }
 };
 
-/// Every surface point of the run's mesh belongs to the object of the nearest true surface, within the threshold. The
+/// Every surface point of the run's mesh belongs to the object of the nearest true surface, within the threshold. True
+/// surface that the room's cameras see goes before hidden one, such as the floor under a rug. The
 /// selections are the run's objects, and its classes as wholes, each as an edit selects it. A true object gets the
 /// selection with the largest IoU, whatever its name. Walls are one object. Scene units are metres. `detection`: as
 /// well, when it is asked for. Error{kBadInput} without a mesh or labels.

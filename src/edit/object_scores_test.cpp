@@ -70,6 +70,32 @@ TEST_F(ObjectScores, TwoThingsInOneObjectAreNotFound) {
   EXPECT_LT(together.found, apart.found);
 }
 
+TEST_F(ObjectScores, AFloorUnderARugIsNotTheRug) {
+  Camera above;
+  above.width = above.height = 200;
+  above.fx = above.fy = 50;
+  above.cx = above.cy = 100;
+  above.world_to_camera.rotation = Mat3d{{1, 0, 0, 0, 0, -1, 0, 1, 0}};
+  above.world_to_camera.translation = {0, 0, 2};
+  TriangleMesh truth = room_.mesh;  // the whole floor again 1 cm above the run's, as a rug
+  const uint32_t first = static_cast<uint32_t>(truth.vertices.size());
+  for (const Vec3f& corner :
+       {Vec3f{-1.2f, -0.01f, -0.8f}, Vec3f{1.2f, -0.01f, -0.8f}, Vec3f{-1.2f, -0.01f, 0.8f}, Vec3f{1.2f, -0.01f, 0.8f}})
+    truth.vertices.push_back(corner);
+  truth.triangles.push_back({first, first + 1, first + 2});
+  truth.triangles.push_back({first + 1, first + 3, first + 2});
+  std::vector<TrueObject> objects = objects_of(room_.mesh);
+  objects.push_back({"rug", first, first + 4});
+  const auto rug = [&](const std::vector<ObjectScore>& scores) {
+    double iou = -1;
+    for (const ObjectScore& s : scores) iou = s.object == "rug" ? s.iou : iou;
+    return iou;
+  };
+  EXPECT_LT(rug(score_objects(room_, truth, objects, pool_)), 0.1);  // the hidden floor is nearer
+  room_.cameras = {above};
+  EXPECT_GT(rug(score_objects(room_, truth, objects, pool_)), 0.8);
+}
+
 TEST_F(ObjectScores, ARunWithoutAMeshIsBadInput) {
   const TriangleMesh truth = room_.mesh;
   room_.mesh = {};

@@ -4,9 +4,9 @@
 
 #include "core/error.h"
 #include "edit/mesh_selection.h"
+#include "edit/seen_surface.h"
 #include "metrics/point_index.h"
 #include "metrics/surface_points.h"
-#include "metrics/visibility.h"
 
 namespace aligngs {
 namespace {
@@ -54,21 +54,10 @@ SurfaceSamples sample(const TriangleMesh& mesh, const SelectionTruthOptions& opt
   return sample_surface(mesh, sampling);
 }
 
-/// The points that lie in the image of some camera with nothing between.
+/// The points that photos show.
 std::vector<Vec3f> seen_points(const TriangleMesh& truth, const std::vector<Vec3f>& points,
                                const std::vector<Camera>& cameras, ThreadPool& pool) {
-  constexpr double kTolerance = 0.005;  // metres: the surface a point lies on does not hide it
-  constexpr size_t kGrain = 256;        // points per chunk
-  const RayScene rays(truth);
-  std::vector<uint8_t> seen(points.size(), 0);
-  pool.parallel_for(points.size(), kGrain, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) {
-      const Vec3d p = points[i].cast<double>();
-      seen[i] = std::any_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
-        return project_into_image(camera, p) && rays.sees(camera.centre(), p, kTolerance);
-      });
-    }
-  });
+  const std::vector<uint8_t> seen = seen_from(cameras, points, truth, pool);
   std::vector<Vec3f> out;
   for (size_t i = 0; i < points.size(); ++i) {
     if (seen[i]) out.push_back(points[i]);

@@ -8,9 +8,11 @@
 #include "edit/object_pieces.h"
 #include "edit/room_up.h"
 #include "edit/shell_labels.h"
+#include "edit/touching_objects.h"
 #include "gaussians/gaussian_ply.h"
 #include "scene/mesh_ply.h"
 #include "train/run_folder.h"
+#include "train/voted_objects.h"
 
 namespace aligngs {
 
@@ -59,6 +61,8 @@ EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
   for (const int view : run.scene.train) room.cameras.push_back(run.working_camera(view));
   correct_shell_labels(room.gaussians, room.labels, room.cameras, pool);
   join_object_pieces(room.gaussians, room.labels, room.up);
+  // Segments tell touching things apart better.
+  if (!votes_for_objects(run.scene, run.config)) split_touching_objects(room.gaussians, room.labels, room.up, pool);
   room.origins.reserve(room.gaussians.model.size());
   for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false, i});
   const fs::path mesh = run.folder / "mesh" / "mesh.ply";

@@ -11,6 +11,7 @@
 #include "core/progress.h"
 #include "mesh/marching_cubes.h"
 #include "mesh/tsdf_volume.h"
+#include "mesh/unseen_surface.h"
 #include "scene/depth_normals.h"
 
 namespace aligngs {
@@ -26,6 +27,7 @@ constexpr double kResidualsPerTruncation = 3;
 constexpr double kMinVoxelsPerTruncation = 2;   // below, the field has no slope left to interpolate
 constexpr double kMinComponentArea = 0.0025;    // m^2: 5 x 5 cm
 constexpr double kMinComponentExtent = 0.10;    // m
+constexpr double kUnseenTolerance = 0.03;       // m: thickness of things, and roughness of fused surfaces
 constexpr double kHoleTolerance = 0.02;         // m: between a view's depth and the surface that closes a hole
 constexpr double kMaxInterpolatedWeight = 0.3;  // of a photo's: it saw nothing itself
 constexpr double kMaxNearness = 4;              // (median depth / depth)^2 is capped at its square
@@ -63,6 +65,8 @@ class Fusion {
       choose_lengths();
       weigh_pixels();
       result.mesh = fuse();
+      report_.unseen_triangles =
+          remove_unseen_surface(result.mesh, seeing_cameras(), kUnseenTolerance * report_.metre, pool_);
       report_.cleaning = clean_mesh(result.mesh, component_limits());
       close_holes(result.mesh);
     }
@@ -270,6 +274,14 @@ class Fusion {
     return extract_surface(volume, pool_, {options_.min_weight});
   }
 
+  std::vector<Camera> seeing_cameras() const {
+    std::vector<Camera> cameras;
+    for (const FusionFrame& frame : frames_) {
+      if (!frame.interpolated) cameras.push_back(frame.camera);
+    }
+    return cameras;
+  }
+
   void close_holes(TriangleMesh& mesh) {
     std::vector<HoleWitness> witnesses;
     for (size_t i = 0; i < frames_.size(); ++i) {
@@ -303,11 +315,12 @@ class Fusion {
 std::string FusionReport::text() const {
   return fmt::format(
       "{} views{}, voxel {:.4g}, truncation {:.4g}, depth up to {:.4g}, two-view residual {:.4g}, pixels {:.0f} % "
-      "confirmed {:.0f} % single {:.0f} % contradicted, {} blocks, {} vertices, {} triangles, {} of {} components "
-      "removed, {} of {} holes closed, {:.1f} s",
+      "confirmed {:.0f} % single {:.0f} % contradicted, {} blocks, {} vertices, {} triangles, {} unseen ones removed, "
+      "{} of {} components removed, {} of {} holes closed, {:.1f} s",
       training_views, interpolated_views ? fmt::format(" + {} interpolated", interpolated_views) : "", voxel,
       truncation, max_depth, two_view_residual, 100 * confirmed, 100 * single_view, 100 * contradicted, blocks,
-      vertices, triangles, cleaning.removed_components, cleaning.components, holes.filled, holes.borders, seconds);
+      vertices, triangles, unseen_triangles, cleaning.removed_components, cleaning.components, holes.filled,
+      holes.borders, seconds);
 }
 
 FusionResult fuse_depth(const std::vector<FusionFrame>& frames, const FusionOptions& options, ThreadPool& pool) {

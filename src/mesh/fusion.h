@@ -56,6 +56,7 @@ struct FusionReport {
   double confirmed = 0, single_view = 0, contradicted = 0;  ///< shares of them
   size_t blocks = 0;
   uint64_t predicted_bytes = 0, budget_bytes = 0;
+  size_t unseen_triangles = 0;  ///< removed: no training view sees them (mesh/unseen_surface.h)
   CleaningReport cleaning;
   HoleFillingReport holes;
   size_t vertices = 0, triangles = 0;
