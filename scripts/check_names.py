@@ -35,7 +35,8 @@ def hidden_names(text):
                 continue
             found = FUNCTION.match(line)
             if found:  # functions with other arguments are overloads
-                yield found.group(1), re.sub(r" \w+([,)])", r"\1", found.group(2)), ""
+                arguments = found.group(2).replace("std::filesystem::", "fs::").split(") ")[0] + ")"
+                yield found.group(1), re.sub(r" \w+([,)])", r"\1", arguments), ""
 
 
 def namespace_of(text):

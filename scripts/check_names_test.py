@@ -25,12 +25,17 @@ class CheckNames(unittest.TestCase):
         hidden = source("struct Place {\n};\nconstexpr int kSide = 2;\nint twice(int x) { return 2 * x; }")
         self.assertEqual(self.clashes(a_cpp=hidden, b_cpp=hidden), ["Place", "kSide", "twice"])
 
+    def test_a_function_with_another_body_is_found(self):
+        one, other = source("int twice(int x) { return 2 * x; }"), source("int twice(int x) {\n  return x + x;\n}")
+        self.assertEqual(self.clashes(a_cpp=one, b_cpp=other), ["twice"])
+
     def test_overloads_may_meet(self):
         one, other = source("int twice(int x) { return 2 * x; }"), source("float twice(float x) { return 2 * x; }")
         self.assertEqual(self.clashes(a_cpp=one, b_cpp=other), [])
 
     def test_an_alias_with_another_meaning_is_found(self):
-        self.assertEqual(self.clashes(a_cpp=source("using Number = int;"), b_cpp=source("using Number = long;")), ["Number"])
+        one, other = source("using Number = int;"), source("using Number = long;")
+        self.assertEqual(self.clashes(a_cpp=one, b_cpp=other), ["Number"])
 
     def test_an_alias_with_the_same_meaning_may_come_again(self):
         self.assertEqual(self.clashes(a_cpp=source("using Number = int;"), b_cpp=source("using Number = int;")), [])

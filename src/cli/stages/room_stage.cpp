@@ -131,7 +131,8 @@ MeasuredRoom room_run(LoadedRun& run) {
   if (std::filesystem::exists(file)) {
     const MeasuredRoom before = read_room(file);
     if (before.scale_source == ScaleSource::kGiven) {
-      room = rescaled(std::move(room), before.to_room.scale / room.to_room.scale);
+      const double factor = before.to_room.scale / room.to_room.scale;
+      room = rescaled(std::move(room), factor);
       room.metric = true;
       room.scale_source = ScaleSource::kGiven;
     }
