@@ -3,6 +3,7 @@ set_property(GLOBAL PROPERTY ALIGNGS_MODULES "")
 # Half of the time of a first build goes into templates of other libraries, which each source needs again. A change of one
 # source costs the time of its whole unit, so that this is for builds that nobody works in.
 option(ALIGNGS_UNITY_BUILD "Compile several sources of a module at once: a first build takes half the time" OFF)
+set(ALIGNGS_UNITY_GROUP "" CACHE STRING "Sources in each group of a unity build, 0 for all of a module: otherwise as chosen here")
 
 # aligngs_module(NAME [TOGETHER] [GROUP count] [HEAVY expression] LIBRARIES ...): a static library of src/NAME/**/*.cpp.
 # TOGETHER lets unity builds compile its sources in groups: names in their anonymous namespaces must differ. A group has
@@ -25,7 +26,9 @@ function(aligngs_module name)
     list(REMOVE_ITEM sources ${heavy})
     list(PREPEND sources ${heavy})
   endif()
-  if(NOT ARG_GROUP)
+  if(NOT ALIGNGS_UNITY_GROUP STREQUAL "")
+    set(ARG_GROUP ${ALIGNGS_UNITY_GROUP})
+  elseif(NOT ARG_GROUP)
     set(ARG_GROUP 8)
   endif()
   if(sources)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Names of one file that another file of the same module has in its anonymous namespace, too.
+"""Names of one file that another file of the same module has in its anonymous namespace, too, and constants there that
+have the name of a header's constant.
 
     scripts/check_names.py
 
@@ -13,39 +14,74 @@ from pathlib import Path
 
 SOURCES = Path(__file__).resolve().parents[1] / "src"
 TYPE = re.compile(r"(?:template <[^>]*>\s*)?(?:struct|class|enum class|enum) (?:alignas\(\w+\) )?(\w+)(?! *;)")
-CONSTANT = re.compile(r"(?:inline |static |constexpr |const )+[\w:<>, *&]+?[ &*](k[A-Z]\w*)\b")
+CONSTANT = re.compile(r"(?:inline |static |constexpr |const )+[\w:<>, *&]+?[ &*](k[A-Z]\w*)\s*[={\[(;]")
+ALIAS = re.compile(r"using (\w+) = (.*)")
 FUNCTION = re.compile(r"[\w:<>,&* ]+[ &*](\w+)\((.*)")
 
 
 def hidden_names(text):
-    """Names at the start of lines of the anonymous namespaces: (name, kinds of arguments of a function)."""
+    """Names at the start of lines of the anonymous namespaces: (name, arguments of a function, meaning of an alias)."""
     for block in re.findall(r"\nnamespace \{\n(.*?)\n\}  // namespace\n", text, re.S):
         for line in block.split("\n"):
-            if line.startswith((" ", "#", "/", "}", "using", "friend", "extern")):
+            if line.startswith((" ", "#", "/", "}", "using namespace", "using ::", "friend", "extern")):
+                continue
+            found = ALIAS.match(line)
+            if found:
+                yield found.group(1), "", found.group(2)
                 continue
             found = TYPE.match(line) or CONSTANT.match(line)
             if found:
-                yield found.group(1), ""
+                yield found.group(1), "", ""
                 continue
             found = FUNCTION.match(line)
             if found:  # functions with other arguments are overloads
-                yield found.group(1), re.sub(r" \w+([,)])", r"\1", found.group(2))
+                arguments = found.group(2).replace("std::filesystem::", "fs::").split(") ")[0] + ")"
+                yield found.group(1), re.sub(r" \w+([,)])", r"\1", arguments), ""
+
+
+def namespace_of(text):
+    found = re.search(r"^namespace ([\w:]+) \{", text, re.M)
+    return found.group(1) if found else ""
+
+
+def constants_of_headers(sources):
+    """The header of each constant that any source may include: {(namespace, name): header}."""
+    headers = {}
+    for header in sorted(sources.rglob("*.h")):
+        if header.name.endswith(("_for_tests.h", "-inl.h")):
+            continue
+        text = header.read_text(encoding="utf-8")
+        for line in text.split("\n"):
+            found = CONSTANT.match(line)
+            if found and not line.startswith(" "):
+                headers[namespace_of(text), found.group(1)] = str(header.relative_to(sources.parent))
+    return headers
+
+
+def clashes(sources):
+    """Each name that cannot be compiled at once, with its files."""
+    headers = constants_of_headers(sources)
+    for module in sorted(p for p in sources.iterdir() if p.is_dir()):
+        files = collections.defaultdict(set)
+        for source in sorted(module.rglob("*.cpp")):
+            if source.name.endswith("_test.cpp") or "cuda" in source.relative_to(sources).parts:
+                continue
+            text = source.read_text(encoding="utf-8")
+            for name, arguments, meaning in hidden_names(text):
+                files[name, arguments].add((str(source.relative_to(sources.parent)), meaning))
+                if (namespace_of(text), name) in headers:
+                    files[name, arguments].add((headers[namespace_of(text), name], ""))
+        for (name, _), places in sorted(files.items()):
+            where, meanings = {file for file, _ in places}, {meaning for _, meaning in places}
+            if len(where) > 1 and (len(meanings) > 1 or meanings == {""}):  # the same alias may come again
+                yield name, sorted(where)
 
 
 def main():
-    findings = 0
-    for module in sorted(p for p in SOURCES.iterdir() if p.is_dir()):
-        files = collections.defaultdict(set)
-        for source in sorted(module.rglob("*.cpp")):
-            if source.name.endswith("_test.cpp") or "cuda" in source.relative_to(SOURCES).parts:
-                continue
-            for name in hidden_names(source.read_text(encoding="utf-8")):
-                files[name].add(str(source.relative_to(SOURCES.parent)))
-        for (name, _), where in sorted(files.items()):
-            if len(where) > 1:
-                findings += 1
-                print(f"names: {name} is in {', '.join(sorted(where))}")
-    print("names: ok" if findings == 0 else f"names: {findings} findings; give each its own name")
+    findings = list(clashes(SOURCES))
+    for name, where in findings:
+        print(f"names: {name} is in {', '.join(where)}")
+    print(f"names: {len(findings)} findings; give each its own name" if findings else "names: ok")
     return 1 if findings else 0
 
 

@@ -3,7 +3,7 @@
 # Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages] [--format]     --clang adds clang 14 and the fuzzing runtime;
 # --browser adds what the tests of the page, of exports, plans and videos want: chromium, node, npm, assimp-utils, ffmpeg,
 # readers of plans; --python adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML,
-# jsonschema; --packages adds what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap;
+# jsonschema, mypy; --packages adds what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap;
 # --format adds clang-format-14, which scripts/format.sh runs
 set -euo pipefail
 
@@ -24,7 +24,7 @@ for option in "$@"; do
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)
       ;;
-    --python) packages+=(python3-numpy python3-yaml python3-jsonschema) ;;
+    --python) packages+=(python3-numpy python3-yaml python3-jsonschema mypy) ;;
     --packages) packages+=(dpkg-dev file patchelf debootstrap) ;;
     --format) packages+=(clang-format-14) ;;
     -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;

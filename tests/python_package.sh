@@ -7,5 +7,8 @@ for python in /usr/bin/python3 python3; do
   python=
 done
 [ -n "$python" ] || { echo "skipped: python3 has no numpy (apt-get install python3-numpy)"; exit 77; }
+if "$python" -c 'import mypy' 2>/dev/null; then
+  "$python" -m mypy --strict --cache-dir /dev/null aligngs  # types, where Debian's mypy is
+fi
 [ $# -eq 0 ] || export ALIGNGS=$1
 PYTHONPATH="$PWD:$PWD/tests" exec "$python" -B -m unittest discover -s tests

@@ -6,6 +6,7 @@ from typing import Dict, List, Tuple, Union
 
 import numpy as np
 
+from .arrays import Array
 from .errors import BadInputError
 
 _TYPES = {"char": "i1", "uchar": "u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4", "float": "<f4", "double": "<f8",
@@ -15,7 +16,7 @@ _LONGEST_HEADER = 1 << 16  # bytes; the program's headers have two thousand
 Field = Tuple[str, str]
 
 
-def read_ply(path: Union[str, Path]) -> Dict[str, np.ndarray]:
+def read_ply(path: Union[str, Path]) -> Dict[str, Array]:
     """Structured arrays by the names of elements ("vertex", "face"). A list property is read where it is the only property of its
     element and all its lists are equally long, as in a triangle mesh; the array is then of shape (count, length)."""
     path = Path(path)
@@ -60,7 +61,7 @@ def _elements(lines: List[str], path: Path) -> List[Tuple[str, int, List[Field]]
     return elements
 
 
-def _read_lists(data: bytes, offset: int, count: int, kind: str, path: Path, name: str) -> Tuple[np.ndarray, int]:
+def _read_lists(data: bytes, offset: int, count: int, kind: str, path: Path, name: str) -> Tuple[Array, int]:
     _, length_type, item_type = kind.split()
     if count == 0:
         return np.zeros((0, 3), item_type), offset

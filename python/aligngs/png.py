@@ -6,8 +6,10 @@ import zlib
 
 import numpy as np
 
+from .arrays import Array
 
-def encode_png(image: np.ndarray) -> bytes:
+
+def encode_png(image: Array) -> bytes:
     """(h, w, 3) uint8, sRGB."""
     height, width, _ = image.shape
 

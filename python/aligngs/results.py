@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Optional, Union
 
 import numpy as np
 
+from .arrays import Array
 from .errors import BadInputError
 from .ply import read_ply
 
@@ -19,11 +20,11 @@ _REST = 15  # coefficients of each colour channel beyond the constant one: spher
 class Gaussians:
     """n splats. Colour is 0.5 + sh evaluated in the direction of view."""
 
-    positions: np.ndarray  # (n, 3) float32
-    scales: np.ndarray  # (n, 3) float32, standard deviations along the axes
-    rotations: np.ndarray  # (n, 4) float32, unit quaternions w x y z
-    opacities: np.ndarray  # (n,) float32 in (0, 1)
-    sh: np.ndarray  # (n, 16, 3) float32
+    positions: Array  # (n, 3) float32
+    scales: Array  # (n, 3) float32, standard deviations along the axes
+    rotations: Array  # (n, 4) float32, unit quaternions w x y z
+    opacities: Array  # (n,) float32 in (0, 1)
+    sh: Array  # (n, 16, 3) float32
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -42,9 +43,9 @@ class Labels:
     """A class and an object of each Gaussian."""
 
     classes: List[LabelClass]
-    label: np.ndarray  # (n,) uint16, index into classes
-    instance: np.ndarray  # (n,) uint16, number of the object within its class, 0: none
-    confidence: np.ndarray  # (n,) float32 in [0, 1]
+    label: Array  # (n,) uint16, index into classes
+    instance: Array  # (n,) uint16, number of the object within its class, 0: none
+    confidence: Array  # (n,) float32 in [0, 1]
 
 
 @dataclass(frozen=True)
@@ -58,29 +59,30 @@ class Camera:
     fy: float
     cx: float
     cy: float
-    camera_to_world: np.ndarray  # (4, 4) float64
+    camera_to_world: Array  # (4, 4) float64
     split: str  # "train" or "test"
 
     @property
-    def matrix(self) -> np.ndarray:
+    def matrix(self) -> Array:
         """(3, 3) float64."""
         return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]], np.float64)
 
 
 @dataclass(frozen=True)
 class Mesh:
-    vertices: np.ndarray  # (n, 3) float32
-    triangles: np.ndarray  # (m, 3) int32, indices of vertices
-    normals: Optional[np.ndarray]  # (n, 3) float32
-    colors: Optional[np.ndarray]  # (n, 3) uint8
-    labels: Optional[np.ndarray]  # (n,) uint16, index into Labels.classes
+    vertices: Array  # (n, 3) float32
+    triangles: Array  # (m, 3) int32, indices of vertices
+    normals: Optional[Array]  # (n, 3) float32
+    colors: Optional[Array]  # (n, 3) uint8
+    labels: Optional[Array]  # (n,) uint16, index into Labels.classes
 
 
-def _columns(rows: np.ndarray, names: List[str], path: Path) -> np.ndarray:
+def _columns(rows: Array, names: List[str], path: Path) -> Array:
     missing = [name for name in names if name not in (rows.dtype.names or ())]
     if missing:
         raise BadInputError("this is no file of Gaussians", str(path), missing[0])
-    return np.stack([rows[name] for name in names], axis=1).astype(np.float32)
+    columns: Array = np.stack([rows[name] for name in names], axis=1).astype(np.float32)
+    return columns
 
 
 class Run:
@@ -109,7 +111,8 @@ class Run:
     @cached_property
     def record(self) -> Dict[str, Any]:
         """run.json: command, stages, warnings."""
-        return self._json("run.json")
+        record: Dict[str, Any] = self._json("run.json")
+        return record
 
     @property
     def done(self) -> bool:
@@ -168,7 +171,7 @@ class Run:
         rows = elements["vertex"]
         names = rows.dtype.names or ()
 
-        def columns(first: str, *others: str) -> Optional[np.ndarray]:
+        def columns(first: str, *others: str) -> Optional[Array]:
             return np.stack([rows[name] for name in (first, *others)], axis=1) if first in names else None
 
         vertices = columns("x", "y", "z")

@@ -6,10 +6,11 @@ import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
+from .arrays import Array
 from .errors import BadInputError, UsageError
 from .png import encode_png
 
@@ -28,11 +29,11 @@ class Intrinsics:
 class Points:
     """Points to start from."""
 
-    positions: np.ndarray  # (n, 3), world
-    colors: np.ndarray  # (n, 3) uint8
+    positions: Array  # (n, 3), world
+    colors: Array  # (n, 3) uint8
 
 
-def _quaternion(rotation: np.ndarray) -> np.ndarray:
+def _quaternion(rotation: Array) -> Array:
     """w x y z of a rotation matrix, from the eigenvector of its largest eigenvalue: stable for any angle."""
     m = rotation
     k = np.array([[m[0, 0] - m[1, 1] - m[2, 2], 0, 0, 0],
@@ -47,9 +48,9 @@ def _quaternion(rotation: np.ndarray) -> np.ndarray:
 class Scene:
     """Photos with cameras and, if there are any, priors. Arrays are checked at once: UsageError names the first wrong one."""
 
-    def __init__(self, images: Sequence[np.ndarray], intrinsics: Union[Intrinsics, Sequence[Intrinsics]], poses: Sequence[np.ndarray], *,
-                 depths: Optional[Sequence[np.ndarray]] = None, confidences: Optional[Sequence[np.ndarray]] = None,
-                 logits: Optional[Sequence[np.ndarray]] = None, logits_kind: str = "logits", points: Optional[Points] = None,
+    def __init__(self, images: Sequence[Array], intrinsics: Union[Intrinsics, Sequence[Intrinsics]], poses: Sequence[Array], *,
+                 depths: Optional[Sequence[Array]] = None, confidences: Optional[Sequence[Array]] = None,
+                 logits: Optional[Sequence[Array]] = None, logits_kind: str = "logits", points: Optional[Points] = None,
                  names: Optional[Sequence[str]] = None, test: Sequence[str] = (), depth_scale: str = "scene", metres: bool = False):
         """images: (h, w, 3) uint8. poses: (4, 4) camera to world, OpenCV axes. depths: (h, w) along z, larger is farther, 0 = none, any
         resolution of the same aspect. confidences: as depths, 0 = none. logits: (classes, h, w) of ADE20K. logits_kind: "logits", "scores"
@@ -68,8 +69,10 @@ class Scene:
         self.depths = self._maps(depths, "depths", 2)
         self.confidences = self._maps(confidences, "confidences", 2)
         self.logits = self._maps(logits, "logits", 3)
-        for field, values in (("intrinsics", self.intrinsics), ("poses", self.poses), ("names", self.names), ("depths", self.depths),
-                              ("confidences", self.confidences), ("logits", self.logits)):
+        lists: List[Tuple[str, Optional[Sequence[Any]]]] = [
+            ("intrinsics", self.intrinsics), ("poses", self.poses), ("names", self.names), ("depths", self.depths),
+            ("confidences", self.confidences), ("logits", self.logits)]
+        for field, values in lists:
             if values is not None and len(values) != count:
                 raise UsageError(f"has {len(values)} entries for {count} images", field=field)
         for i, camera in enumerate(self.intrinsics):
@@ -115,7 +118,7 @@ class Scene:
             raise UsageError(f"colors must be integers from 0 to 255, not {colors.dtype} as these", field="points")
 
     @staticmethod
-    def _checked(array: np.ndarray, field: str, dimensions: int, kind: Any = None) -> np.ndarray:
+    def _checked(array: Array, field: str, dimensions: int, kind: Any = None) -> Array:
         array = np.asarray(array)
         if array.ndim != dimensions or 0 in array.shape:
             raise UsageError(f"is of shape {array.shape}, which has not {dimensions} dimensions", field=field)
@@ -123,7 +126,7 @@ class Scene:
             raise UsageError(f"is {array.dtype}, not {np.dtype(kind)}", field=field)
         return array
 
-    def _maps(self, maps: Optional[Sequence[np.ndarray]], field: str, dimensions: int) -> Optional[List[np.ndarray]]:
+    def _maps(self, maps: Optional[Sequence[Array]], field: str, dimensions: int) -> Optional[List[Array]]:
         if maps is None:
             return None
         checked = [self._checked(m, f"{field}[{i}]", dimensions) for i, m in enumerate(maps)]
@@ -133,7 +136,7 @@ class Scene:
         return [m.astype(np.float32) for m in checked]
 
     @staticmethod
-    def _pose(pose: np.ndarray, index: int) -> np.ndarray:
+    def _pose(pose: Array, index: int) -> Array:
         pose = np.asarray(pose, np.float64)
         field = f"poses[{index}]"
         if pose.shape != (4, 4) or not np.all(np.isfinite(pose)):

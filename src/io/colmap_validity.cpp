@@ -12,14 +12,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxImageSide = 1'000'000;  // pixels: beyond it the file is not what it seems
+constexpr uint64_t kMaxColmapSide = 1'000'000;  // pixels: beyond it the file is not what it seems
 const char* const kColmapRemedy = "run the reconstruction again, or remove the entry";
 
 bool finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 void require_valid_camera(const ColmapCamera& camera, const fs::path& name) {
   const std::string field = "camera " + std::to_string(camera.id);
-  if (camera.width == 0 || camera.height == 0 || camera.width > kMaxImageSide || camera.height > kMaxImageSide) {
+  if (camera.width == 0 || camera.height == 0 || camera.width > kMaxColmapSide || camera.height > kMaxColmapSide) {
     throw_bad_input(name, field,
                     "the size " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " is not valid",
                     kColmapRemedy);

@@ -62,7 +62,7 @@ struct Releaser {
     release(object);
   }
 };
-using Context = std::unique_ptr<heif_context, Releaser<heif_context_free>>;
+using HeifContext = std::unique_ptr<heif_context, Releaser<heif_context_free>>;
 using HeifHandle = std::unique_ptr<heif_image_handle, Releaser<heif_image_handle_release>>;
 using Picture = std::unique_ptr<heif_image, Releaser<heif_image_release>>;
 using Options = std::unique_ptr<heif_decoding_options, Releaser<heif_decoding_options_free>>;
@@ -76,7 +76,7 @@ void require_ok(const heif_error& error, const std::filesystem::path& name) {
 
 /// The primary picture of a file.
 struct Opened {
-  Context context{heif_context_alloc()};
+  HeifContext context{heif_context_alloc()};
   HeifHandle handle;
 
   Opened(std::string_view bytes, const std::filesystem::path& name) {

@@ -20,7 +20,7 @@ namespace {
 struct ContextDeleter {
   void operator()(spng_ctx* context) const { spng_ctx_free(context); }
 };
-using Context = std::unique_ptr<spng_ctx, ContextDeleter>;
+using PngContext = std::unique_ptr<spng_ctx, ContextDeleter>;
 
 [[noreturn]] void fail(const std::filesystem::path& name, int code) {
   if (code == SPNG_EMEM) throw_resources(name, "not enough memory to decode the PNG");
@@ -44,8 +44,8 @@ int samples_per_pixel(int color_type) {
   }
 }
 
-Context open_png(std::string_view bytes, const std::filesystem::path& name) {
-  Context context(spng_ctx_new(0));
+PngContext open_png(std::string_view bytes, const std::filesystem::path& name) {
+  PngContext context(spng_ctx_new(0));
   if (!context) throw_resources(name, "not enough memory to decode the PNG");
   constexpr size_t kMaxChunk = size_t(64) << 20;  // bytes of one ancillary chunk (profiles, texts), and of all
   require(name, spng_set_chunk_limits(context.get(), kMaxChunk, kMaxChunk));
@@ -93,7 +93,7 @@ bool has_end_of_png(std::string_view bytes) {
 }
 
 PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& name, bool prefix_only) {
-  const Context context = open_png(bytes, name);
+  const PngContext context = open_png(bytes, name);
   spng_ihdr ihdr{};
   int code = spng_get_ihdr(context.get(), &ihdr);
   PngHeader header;
@@ -125,7 +125,7 @@ PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& 
 }
 
 Image<uint8_t> decode_png(std::string_view bytes, const std::filesystem::path& name) {
-  const Context context = open_png(bytes, name);
+  const PngContext context = open_png(bytes, name);
   const spng_ihdr header = checked_header(context.get(), bytes.size(), name);
   spng_trns transparency{};
   const bool alpha = header.color_type == SPNG_COLOR_TYPE_GRAYSCALE_ALPHA ||
@@ -139,7 +139,7 @@ Image<uint8_t> decode_png(std::string_view bytes, const std::filesystem::path& n
 }
 
 Image<uint16_t> decode_png_values(std::string_view bytes, const std::filesystem::path& name) {
-  const Context context = open_png(bytes, name);
+  const PngContext context = open_png(bytes, name);
   const spng_ihdr header = checked_header(context.get(), bytes.size(), name);
   if (header.color_type != SPNG_COLOR_TYPE_GRAYSCALE && header.color_type != SPNG_COLOR_TYPE_INDEXED) {
     throw_bad_input(
@@ -178,7 +178,7 @@ constexpr int kCompressionLevel = 3;
 
 std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width, int height, int channels,
                                       int bit_depth) {
-  const Context context(spng_ctx_new(SPNG_CTX_ENCODER));
+  const PngContext context(spng_ctx_new(SPNG_CTX_ENCODER));
   if (!context) throw_resources({}, "not enough memory to encode a PNG");
   spng_ihdr header{};
   header.width = uint32_t(width);

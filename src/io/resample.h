@@ -1,6 +1,8 @@
 // Resizing of images and maps at pixel centres: source coordinate (x + 0.5) * source / target - 0.5.
 #pragma once
 
+#include <cstdint>
+
 #include "core/image.h"
 
 namespace aligngs {

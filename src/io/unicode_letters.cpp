@@ -71,9 +71,9 @@ void decompose(char32_t c, std::u32string& out) {
   constexpr char32_t kSyllables = 0xac00, kCount = 11172, kFirst = 0x1100, kVowel = 0x1161, kLast = 0x11a7;
   if (c >= kSyllables && c < kSyllables + kCount) {
     const char32_t index = c - kSyllables;
-    out += kFirst + index / 588;
-    out += kVowel + index % 588 / 28;
-    if (index % 28 != 0) out += kLast + index % 28;
+    out.push_back(kFirst + index / 588);
+    out.push_back(kVowel + index % 588 / 28);
+    if (index % 28 != 0) out.push_back(kLast + index % 28);
     return;
   }
   const auto found = decompositions().find(c);

@@ -48,9 +48,9 @@ CubeCase build_case(int inside) {
     for (int e = next[previous]; e != first; previous = e, e = next[e]) {
       used[e] = true;
       const int at = 3 * result.triangles++;
-      result.edges[at] = static_cast<int8_t>(first);
-      result.edges[at + 1] = static_cast<int8_t>(previous);
-      result.edges[at + 2] = static_cast<int8_t>(e);
+      result.edges[at] = static_cast<uint8_t>(first);
+      result.edges[at + 1] = static_cast<uint8_t>(previous);
+      result.edges[at + 2] = static_cast<uint8_t>(e);
     }
   }
   return result;

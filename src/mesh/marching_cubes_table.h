@@ -14,7 +14,7 @@ int cube_edge_corner(int edge);
 struct CubeCase {
   int triangles = 0;
   /// Edges of the triangles' vertices, three by three; counter-clockwise seen from the outside corners.
-  std::array<int8_t, 3 * 10> edges{};
+  std::array<uint8_t, 3 * 10> edges{};
 };
 
 /// Index: bit c is set when corner c is inside (negative). Two inside corners that face each other across a square are

@@ -69,14 +69,14 @@ void DepthGrid::apply(ImageF& depth) const {
   }
 }
 
-DepthGrid fit_depth_grid(const std::vector<DepthSample>& samples, const DepthGridSettings& s) {
+DepthGrid fit_depth_grid(const std::vector<DepthGridSample>& samples, const DepthGridSettings& s) {
   DepthGrid grid;
   if (samples.size() < s.min_samples) return grid;
   const NodeMatrix prior = regularisation(s);
   for (int round = 0; round < kGridRounds; ++round) {
     NodeMatrix normal = prior;
     NodeVector right = NodeVector::Zero();
-    for (const DepthSample& sample : samples) {
+    for (const DepthGridSample& sample : samples) {
       if (!std::isfinite(sample.log_ratio)) continue;
       const double residual = std::abs(sample.log_ratio - grid.at(sample.x, sample.y)) / s.sigma;
       const double weight = (residual > kHuber ? kHuber / residual : 1.0) / (s.sigma * s.sigma);

@@ -21,7 +21,7 @@ struct DepthGrid {
 };
 
 /// One place of the view where the depth is known from elsewhere.
-struct DepthSample {
+struct DepthGridSample {
   double x = 0, y = 0;   ///< in [0, 1] over the image
   double log_ratio = 0;  ///< log(known / prior)
 };
@@ -35,6 +35,6 @@ struct DepthGridSettings {
 };
 
 /// Robust least squares (Huber, reweighted). Nodes without samples near them follow their neighbours.
-DepthGrid fit_depth_grid(const std::vector<DepthSample>& samples, const DepthGridSettings& settings = {});
+DepthGrid fit_depth_grid(const std::vector<DepthGridSample>& samples, const DepthGridSettings& settings = {});
 
 }  // namespace aligngs

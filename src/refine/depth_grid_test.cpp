@@ -13,9 +13,9 @@ namespace {
 /// A bent depth: too far at the left, too near at the right.
 double bend(double x, double y) { return 0.06 * (0.5 - x) + 0.02 * y; }
 
-std::vector<DepthSample> samples_of_bend(int count, double noise) {
+std::vector<DepthGridSample> samples_of_bend(int count, double noise) {
   Random random(2);
-  std::vector<DepthSample> samples;
+  std::vector<DepthGridSample> samples;
   for (int i = 0; i < count; ++i) {
     const double x = random.uniform(), y = random.uniform();
     samples.push_back({x, y, bend(x, y) + noise * random.normal()});
@@ -31,7 +31,7 @@ TEST(DepthGrid, RemovesABend) {
 }
 
 TEST(DepthGrid, AFifthOfOutliersMovesItLittle) {
-  std::vector<DepthSample> samples = samples_of_bend(300, 0.01);
+  std::vector<DepthGridSample> samples = samples_of_bend(300, 0.01);
   for (size_t i = 0; i < samples.size(); i += 5) samples[i].log_ratio = 0.5;
   EXPECT_NEAR(fit_depth_grid(samples).at(0.5, 0.5), bend(0.5, 0.5), 0.02);
 }
@@ -42,7 +42,7 @@ TEST(DepthGrid, FewSamplesChangeNothing) {
 }
 
 TEST(DepthGrid, SamplesThatAreNoNumbersAreLeftOut) {
-  std::vector<DepthSample> samples = samples_of_bend(100, 0);
+  std::vector<DepthGridSample> samples = samples_of_bend(100, 0);
   samples[3].log_ratio = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(std::isfinite(fit_depth_grid(samples).at(0.5, 0.5)));
 }

@@ -243,7 +243,7 @@ void set_upright(Panel& panel, const std::vector<ScenePlane>& planes) {
 std::vector<Panel> find_panels(const std::vector<PanelPoint>& points, const std::vector<ScenePlane>& planes,
                                const PanelSettings& settings, uint64_t seed) {
   Points known;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(known), usable);
+  std::copy_if(points.begin(), points.end(), std::back_inserter(known), [](const PanelPoint& p) { return usable(p); });
   if (known.empty()) return {};
   std::vector<ScenePlane> walls;
   std::copy_if(planes.begin(), planes.end(), std::back_inserter(walls),

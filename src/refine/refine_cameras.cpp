@@ -307,7 +307,7 @@ class Refinement {
   }
 
   DepthGrid depth_correction(int view) const {
-    std::vector<DepthSample> samples;
+    std::vector<DepthGridSample> samples;
     const Camera& camera = match(view).camera;
     for (const Track& t : tracks_) {
       if (t.observations.size() < 3) continue;  // two rays say little about depth

@@ -78,7 +78,7 @@ std::vector<uint8_t> choose_inside(const PlanCells& plan, const std::vector<Plan
     const PlanCell& cell = plan.cells[side.cell];
     const Vec2d &a = cell.corners[side.edge], &b = cell.corners[(side.edge + 1) % cell.corners.size()];
     const int line = cell.lines[side.edge];
-    if (side.other < 0 || line == kBorder) {
+    if (side.other < 0 || line == kPlanBorder) {
       graph.add_node_costs(side.cell, s.along_unknown * std::hypot(b.x - a.x, b.y - a.y), 0);
       continue;
     }
@@ -90,7 +90,7 @@ std::vector<uint8_t> choose_inside(const PlanCells& plan, const std::vector<Plan
 
 struct Edge {
   Vec2d from, to;
-  int line = kBorder;
+  int line = kPlanBorder;
 };
 
 bool near(const Vec2d& a, const Vec2d& b, double least) {
@@ -150,7 +150,7 @@ std::vector<Edge> simplified(std::vector<Edge> chain, const std::vector<PlanLine
         a.to = b.to;
         chain.erase(chain.begin() + static_cast<std::ptrdiff_t>((i + 1) % chain.size()));
         changed = true;
-      } else if (a.line != kBorder && c.line != kBorder && chain.size() > 4 && length_of(b) < least_side &&
+      } else if (a.line != kPlanBorder && c.line != kPlanBorder && chain.size() > 4 && length_of(b) < least_side &&
                  parallel(lines[a.line], lines[c.line])) {
         const int kept = length_of(a) >= length_of(c) ? a.line : c.line;
         a.line = c.line = kept;
@@ -203,18 +203,18 @@ std::vector<OutlineSide> find_outline(std::vector<PlanLine> lines, const std::ve
   std::vector<OutlineSide> out;
   for (const Edge& e : chain) {
     PlanLine line;
-    if (e.line != kBorder) line = lines[static_cast<size_t>(e.line)];
+    if (e.line != kPlanBorder) line = lines[static_cast<size_t>(e.line)];
     const double length = length_of(e);
     const Vec2d left{-(e.to.y - e.from.y) / length, (e.to.x - e.from.x) / length};
-    if (e.line == kBorder) line.assumed = true;
+    if (e.line == kPlanBorder) line.assumed = true;
     // The border's, and a wall that was seen from its other side, turned into the room.
-    if (e.line == kBorder || line.normal.x * left.x + line.normal.y * left.y < 0) {
+    if (e.line == kPlanBorder || line.normal.x * left.x + line.normal.y * left.y < 0) {
       line.normal = left;
       line.offset = -(left.x * e.from.x + left.y * e.from.y);
     }
     out.push_back(
         {line, e.from, e.to,
-         e.line == kBorder ? SideEvidence{} : evidence_between(lines[e.line], evidence[e.line], e.from, e.to)});
+         e.line == kPlanBorder ? SideEvidence{} : evidence_between(lines[e.line], evidence[e.line], e.from, e.to)});
   }
   for (size_t i = 0; i < out.size(); ++i) {
     OutlineSide& next = out[(i + 1) % out.size()];

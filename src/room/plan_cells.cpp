@@ -62,7 +62,8 @@ bool same(const Vec2d& a, const Vec2d& b, double least) {
 PlanCells cut_plan(const Vec2d& low, const Vec2d& high, const std::vector<PlanLine>& lines) {
   const double least = kSame * std::max(high.x - low.x, high.y - low.y);
   PlanCells out;
-  out.cells.push_back({{low, {high.x, low.y}, high, {low.x, high.y}}, {kBorder, kBorder, kBorder, kBorder}});
+  out.cells.push_back(
+      {{low, {high.x, low.y}, high, {low.x, high.y}}, {kPlanBorder, kPlanBorder, kPlanBorder, kPlanBorder}});
   for (size_t number = 0; number < lines.size(); ++number) {
     std::vector<PlanCell> pieces;
     for (const PlanCell& cell : out.cells) {

@@ -16,8 +16,8 @@ struct PlanLine {
   double distance(const Vec2d& p) const { return normal.x * p.x + normal.y * p.y + offset; }
 };
 
-/// Number of the line that an edge of a cell lies on; kBorder: the border of the plan.
-inline constexpr int kBorder = -1;
+/// Number of the line that an edge of a cell lies on; kPlanBorder: the border of the plan.
+inline constexpr int kPlanBorder = -1;
 
 struct PlanCell {
   std::vector<Vec2d> corners;  ///< counter-clockwise

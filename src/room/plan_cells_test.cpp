@@ -42,8 +42,8 @@ TEST(PlanCells, SlantedLinesLeaveNoGapsAndNameTheirEdges) {
   EXPECT_NEAR(whole_area(plan), 6, 1e-9);
   for (const PlanSide& side : plan.sides) {
     const int line = plan.cells[side.cell].lines[side.edge];
-    EXPECT_EQ(line == kBorder, side.other < 0);
-    if (line != kBorder)
+    EXPECT_EQ(line == kPlanBorder, side.other < 0);
+    if (line != kPlanBorder)
       EXPECT_NEAR(lines[static_cast<size_t>(line)].distance(plan.cells[side.cell].corners[side.edge]), 0, 1e-9);
   }
 }

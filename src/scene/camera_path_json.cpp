@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "aligngs camera path";
 constexpr int kVersion = 1;
@@ -26,13 +26,13 @@ class Reader {
   [[noreturn]] void fail(const std::string& field, const std::string& message) const {
     throw_bad_input(file_, field, message, "save the key frames on the page again; docs/page.md describes the file");
   }
-  double number(const Json& value, const std::string& field, double low, double high) const {
+  double number(const OrderedJson& value, const std::string& field, double low, double high) const {
     if (!value.is_number()) fail(field, "not a number");
     const double v = value.get<double>();
     if (!(v >= low && v <= high)) fail(field, "not within " + text(low) + " and " + text(high));
     return v;
   }
-  Vec3d place(const Json& key, const char* name, const std::string& where) const {
+  Vec3d place(const OrderedJson& key, const char* name, const std::string& where) const {
     const std::string field = where + "." + name;
     if (!key.contains(name) || !key[name].is_array() || key[name].size() != 3)
       fail(field, "not a list of three numbers");
@@ -50,7 +50,7 @@ class Reader {
   std::filesystem::path file_;
 };
 
-CameraKey read_key(const Reader& reader, const Json& json, const std::string& where) {
+CameraKey read_key(const Reader& reader, const OrderedJson& json, const std::string& where) {
   if (!json.is_object()) reader.fail(where, "not an object");
   CameraKey key;
   if (!json.contains("time")) reader.fail(where + ".time", "the field is missing");
@@ -62,20 +62,20 @@ CameraKey read_key(const Reader& reader, const Json& json, const std::string& wh
   return key;
 }
 
-Json place_json(const Vec3d& p) { return {p.x, p.y, p.z}; }
+OrderedJson place_json(const Vec3d& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
 CameraPath parse_camera_path(std::string_view text, const std::filesystem::path& name_for_errors) {
   const Reader reader(name_for_errors);
-  const Json json = parse_ordered_json(text);
+  const OrderedJson json = parse_ordered_json(text);
   if (!json.is_object()) reader.fail("", "the file is no JSON object");
   if (!json.contains("format") || json["format"] != kFormat)
     reader.fail("format", std::string("not \"") + kFormat + "\"");
   if (!json.contains("version") || json["version"] != kVersion)
     reader.fail("version", "not 1: another version of the program wrote the file");
   if (!json.contains("keys") || !json["keys"].is_array()) reader.fail("keys", "not a list");
-  const Json& keys = json["keys"];
+  const OrderedJson& keys = json["keys"];
   if (keys.empty() || keys.size() > kMostKeys) reader.fail("keys", "a path has 1 to 1000 keys");
   CameraPath path;
   for (size_t i = 0; i < keys.size(); ++i) {
@@ -91,12 +91,12 @@ CameraPath read_camera_path(const std::filesystem::path& file) {
 }
 
 std::string camera_path_json(const CameraPath& path) {
-  Json keys = Json::array();
+  OrderedJson keys = OrderedJson::array();
   for (const CameraKey& key : path.keys) {
     keys.push_back(
         {{"time", key.time}, {"eye", place_json(key.eye)}, {"target", place_json(key.target)}, {"fov", key.fov}});
   }
-  return json_document(Json{{"format", kFormat}, {"version", kVersion}, {"keys", keys}});
+  return json_document(OrderedJson{{"format", kFormat}, {"version", kVersion}, {"keys", keys}});
 }
 
 }  // namespace aligngs

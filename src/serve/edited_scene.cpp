@@ -18,9 +18,11 @@ constexpr uint32_t kGone = 0xffffffffu;
 
 bool looks_the_same(const EditableRoom& trained, size_t before, const EditableRoom& room, size_t now) {
   const GaussianLabels &a = trained.gaussians.labels, &b = room.gaussians.labels;
+  // NOLINTBEGIN(bugprone-suspicious-memory-comparison): equal bits are meant, as they are what the page holds.
   return a.label[before] == b.label[now] && a.instance[before] == b.instance[now] &&
          std::memcmp(&trained.gaussians.model.sh[kChangeHarmonics * before],
                      &room.gaussians.model.sh[kChangeHarmonics * now], kChangeHarmonics * sizeof(float)) == 0;
+  // NOLINTEND(bugprone-suspicious-memory-comparison)
 }
 
 }  // namespace

@@ -60,8 +60,8 @@ SegmentMap tidied(SegmentMap map) {
     if (s != SegmentMap::kNone) seen[s] = 1;
   }
   std::vector<uint16_t> order;
-  for (uint16_t s = 0; s < map.list.size(); ++s) {
-    if (seen[s]) order.push_back(s);
+  for (size_t s = 0; s < map.list.size(); ++s) {
+    if (seen[s]) order.push_back(static_cast<uint16_t>(s));
   }
   std::sort(order.begin(), order.end(), [&](uint16_t a, uint16_t b) {
     return std::pair(map.list[a].label, map.list[a].number) < std::pair(map.list[b].label, map.list[b].number);

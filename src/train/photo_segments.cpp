@@ -32,12 +32,12 @@ PhotoSegments sighted_segments(const GaussianModel& model, const SegmentedView& 
   PhotoSegments out;
   out.segments = view.segments.list;
   std::vector<uint16_t> things, channel_of;
-  for (uint16_t s = 0; s < out.segments.size(); ++s) {
+  for (size_t s = 0; s < out.segments.size(); ++s) {
     channel_of.push_back(static_cast<uint16_t>(things.size()));
-    if (out.segments[s].is_thing()) things.push_back(s);
+    if (out.segments[s].is_thing()) things.push_back(static_cast<uint16_t>(s));
   }
   if (things.empty() || model.size() == 0) return out;
-  for (uint16_t s = 0; s < out.segments.size(); ++s) {
+  for (size_t s = 0; s < out.segments.size(); ++s) {
     if (!out.segments[s].is_thing()) channel_of[s] = static_cast<uint16_t>(things.size());
   }
   std::vector<TrainingView> one(1);

@@ -13,10 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void write_json(const std::filesystem::path& path, const Json& json) {
-  write_file_atomically(path, json_document(json));
-}
-
 Json objects_json(const std::vector<Instance>& instances, int label) {
   Json objects = Json::array();
   for (const Instance& object : instances) {
@@ -41,7 +37,8 @@ void write_classes(const std::filesystem::path& path, const GaussianModel& model
     if (count > 0) entry["objects"] = objects_json(instances, i);
     classes.push_back(entry);
   }
-  write_json(path, {{"schema", 1}, {"label_set", labels.name}, {"classes", classes}});
+  const Json document = {{"schema", 1}, {"label_set", labels.name}, {"classes", classes}};
+  write_file_atomically(path, json_document(document));
 }
 
 }  // namespace

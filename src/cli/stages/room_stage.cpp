@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "edit/edit_session.h"
 #include "edit/export/object_meshes.h"
+#include "edit/row_flags.h"
 #include "room/room_json.h"
 #include "serve/export_file.h"
 #include "train/opened_run.h"
@@ -18,8 +19,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kLongestSide = 640;      // pixels of a rendering: a square of 2 cm at 4 m is 2 pixels of it
-constexpr float kSolidOpacity = 0.3f;  // of a Gaussian whose centre is taken for a surface
+constexpr int kLongestSide = 640;  // pixels of a rendering: a square of 2 cm at 4 m is 2 pixels of it
 
 /// The mean probability of an object's class, by class and instance.
 double confidence_of(const LabelledGaussians& g, int label, int instance) {
@@ -131,7 +131,8 @@ MeasuredRoom room_run(LoadedRun& run) {
   if (std::filesystem::exists(file)) {
     const MeasuredRoom before = read_room(file);
     if (before.scale_source == ScaleSource::kGiven) {
-      room = rescaled(std::move(room), before.to_room.scale / room.to_room.scale);
+      const double factor = before.to_room.scale / room.to_room.scale;
+      room = rescaled(std::move(room), factor);
       room.metric = true;
       room.scale_source = ScaleSource::kGiven;
     }

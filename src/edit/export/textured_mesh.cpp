@@ -28,15 +28,15 @@ double texel_of(const TexturePhotos& photos, double extent) {
   return std::max(kLeastTexel * extent, *middle / kTexelsPerPixel);
 }
 
-using Place = std::array<float, 3>;
-Place key(const Vec3f& v) { return {v.x, v.y, v.z}; }
+using VertexPlace = std::array<float, 3>;
+VertexPlace key(const Vec3f& v) { return {v.x, v.y, v.z}; }
 
 /// Triangles of which edits have changed neither the place nor the colour of a corner.
 std::vector<uint8_t> unchanged(const TriangleMesh& mesh, const EditableRoom& room, const TexturePhotos& photos) {
   std::vector<uint8_t> out(mesh.triangles.size(), 1);
   const TriangleMesh& before = photos.surface;
   if (room.mesh.vertices.size() == before.vertices.size() && room.mesh.colors == before.colors) return out;
-  std::map<Place, std::array<uint8_t, 3>> colors;
+  std::map<VertexPlace, std::array<uint8_t, 3>> colors;
   for (size_t v = 0; v < before.vertices.size(); ++v)
     colors[key(before.vertices[v])] = before.colors.empty() ? std::array<uint8_t, 3>{} : before.colors[v];
   for (size_t t = 0; t < out.size(); ++t) {

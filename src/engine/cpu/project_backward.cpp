@@ -27,7 +27,7 @@ constexpr size_t kSplatFields = 16;  ///< a multiple of 4 that holds those above
 static_assert(kSplatNormal + 3 <= kSplatFields);
 
 /// Places in SplatGradient, as numbers.
-#define ALIGNGS_PLACE_OF_SUM(name, field) constexpr size_t name = offsetof(SplatGradient, field) / sizeof(float)
+#define ALIGNGS_PLACE_OF_SUM(name, field) constexpr size_t name = (offsetof(SplatGradient, field) / sizeof(float))
 ALIGNGS_PLACE_OF_SUM(kSumColor, color);
 ALIGNGS_PLACE_OF_SUM(kSumNormal, normal);
 ALIGNGS_PLACE_OF_SUM(kSumDistance, distance);

@@ -10,6 +10,7 @@ template <class Term>
 constexpr unsigned kNeedsOf = row_of(Term::kLoss).needs;
 
 // Compiled per instruction set: function versions cannot be templates.
+// NOLINTBEGIN(bugprone-macro-parentheses): Term is the name of a template, which takes no parentheses.
 #define ALIGNGS_PIXEL_ROW_VERSIONS(Term)                                                                     \
   ALIGNGS_TARGET_CLONES                                                                                      \
   void row_weights(const Term<float>& term, const PixelRow<float>& row, float* weights) {                    \
@@ -29,6 +30,7 @@ constexpr unsigned kNeedsOf = row_of(Term::kLoss).needs;
   }
 ALIGNGS_PIXEL_TERMS(ALIGNGS_PIXEL_ROW_VERSIONS)
 #undef ALIGNGS_PIXEL_ROW_VERSIONS
+// NOLINTEND(bugprone-macro-parentheses)
 
 template <class Term, class T>
 double loss_of(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace, MapGradients<T>& gradients) {

@@ -77,7 +77,7 @@ std::vector<std::string> known_below(const fs::path& folder) {
     std::vector<fs::path> next;
     for (const fs::path& place : level) {
       std::error_code unreadable;
-      fs::directory_iterator(place, unreadable);
+      const fs::directory_iterator first(place, unreadable);
       if (unreadable) continue;
       if (const CaptureLayout* layout = recognise_layout(place))
         known.push_back(place.string() + " (" + layout->title + ")");
