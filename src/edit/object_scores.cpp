@@ -7,12 +7,12 @@
 
 #include "core/error.h"
 #include "edit/mesh_selection.h"
-#include "edit/seen_surface.h"
 #include "edit/selection.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "metrics/point_index.h"
 #include "metrics/surface_points.h"
+#include "metrics/visibility.h"
 
 namespace aligngs {
 namespace {
@@ -37,7 +37,7 @@ std::vector<uint32_t> true_objects_of(const std::vector<Vec3f>& points, const Tr
     while (objects[same].name != objects[o].name) ++same;
     for (uint32_t v = objects[o].first; v < objects[o].end; ++v) of_vertex[v] = same;
   }
-  const std::vector<uint8_t> seen = seen_from(cameras, samples.positions, truth, pool);
+  const std::vector<uint8_t> seen = seen_points(RayScene(truth), cameras, samples.positions, kOwnSurface, pool);
   std::vector<uint32_t> out(points.size(), kNoObject);
   for (const uint8_t shown : {uint8_t(1), uint8_t(0)}) {
     std::vector<Vec3f> positions;

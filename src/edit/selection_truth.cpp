@@ -4,9 +4,9 @@
 
 #include "core/error.h"
 #include "edit/mesh_selection.h"
-#include "edit/seen_surface.h"
 #include "metrics/point_index.h"
 #include "metrics/surface_points.h"
+#include "metrics/visibility.h"
 
 namespace aligngs {
 namespace {
@@ -55,9 +55,9 @@ SurfaceSamples sample(const TriangleMesh& mesh, const SelectionTruthOptions& opt
 }
 
 /// The points that photos show.
-std::vector<Vec3f> seen_points(const TriangleMesh& truth, const std::vector<Vec3f>& points,
-                               const std::vector<Camera>& cameras, ThreadPool& pool) {
-  const std::vector<uint8_t> seen = seen_from(cameras, points, truth, pool);
+std::vector<Vec3f> shown_points(const TriangleMesh& truth, const std::vector<Vec3f>& points,
+                                const std::vector<Camera>& cameras, ThreadPool& pool) {
+  const std::vector<uint8_t> seen = seen_points(RayScene(truth), cameras, points, kOwnSurface, pool);
   std::vector<Vec3f> out;
   for (size_t i = 0; i < points.size(); ++i) {
     if (seen[i]) out.push_back(points[i]);
@@ -84,7 +84,7 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
   const std::vector<uint8_t> wanted = true_flags(truth, query);
   const TriangleMesh true_object = submesh(truth, wanted, 1);
   const SurfaceSamples object = sample(true_object, options);
-  const std::vector<Vec3f> seen = seen_points(truth, object.positions, cameras, pool);
+  const std::vector<Vec3f> seen = shown_points(truth, object.positions, cameras, pool);
   if (seen.empty())
     throw_bad_input({}, "--select", "no camera sees a true object of these classes", "measure other classes");
   const TriangleMesh chosen = submesh(mesh, flags, 1);

@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -177,6 +178,21 @@ std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vecto
     }
   }
   return hit;
+}
+
+std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera>& cameras,
+                                 const std::vector<Vec3f>& points, double tolerance, ThreadPool& pool) {
+  constexpr size_t kPointGrain = 256;  // some milliseconds of rays
+  std::vector<uint8_t> seen(points.size(), 0);
+  pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3d p = points[i].cast<double>();
+      seen[i] = std::any_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
+        return project_into_image(camera, p) && scene.sees(camera.centre(), p, tolerance);
+      });
+    }
+  });
+  return seen;
 }
 
 TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::vector<uint8_t>& keep) {

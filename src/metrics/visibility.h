@@ -55,6 +55,14 @@ class RayScene {
 /// Image point of a world point that lies in front of the camera and inside its image.
 std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point);
 
+/// Metres: the surface that a point lies on does not hide it.
+inline constexpr double kOwnSurface = 0.005;
+
+/// Per point 1 when it lies in the image of some camera and `scene` has nothing between. The last `tolerance` (units)
+/// before the point does not count. The same for any number of threads.
+std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera>& cameras,
+                                 const std::vector<Vec3f>& points, double tolerance, ThreadPool& pool);
+
 /// Per triangle 1 when it is the first hit, of the triangles that `there` marks 1, of the ray of some pixel of some
 /// camera.
 std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there,
