@@ -174,6 +174,31 @@ class EarCutter {
   Vec3d normal_;
 };
 
+/// A vertex in the middle of a border, with the mean of its attributes and the first one's label.
+uint32_t add_middle(TriangleMesh& mesh, const std::vector<uint32_t>& loop) {
+  Vec3d place{}, normal{}, color{};
+  for (const uint32_t v : loop) {
+    place += mesh.vertices[v].cast<double>();
+    if (!mesh.normals.empty()) normal += mesh.normals[v].cast<double>();
+    for (int c = 0; c < 3 && !mesh.colors.empty(); ++c) color[c] += mesh.colors[v][static_cast<size_t>(c)];
+  }
+  const double share = 1 / static_cast<double>(loop.size());
+  const auto channel = [&](double sum) { return static_cast<uint8_t>(sum * share + 0.5); };
+  mesh.vertices.push_back((place * share).cast<float>());
+  if (!mesh.normals.empty()) mesh.normals.push_back(normalized(normal).cast<float>());
+  if (!mesh.colors.empty()) mesh.colors.push_back({channel(color.x), channel(color.y), channel(color.z)});
+  if (!mesh.labels.empty()) mesh.labels.push_back(mesh.labels[loop.front()]);
+  return static_cast<uint32_t>(mesh.vertices.size() - 1);
+}
+
+/// A fan around a vertex in the middle. Its edges are all new, so that it closes what ears cannot.
+std::vector<std::array<uint32_t, 3>> fan(TriangleMesh& mesh, const std::vector<uint32_t>& loop) {
+  const uint32_t middle = add_middle(mesh, loop);
+  std::vector<std::array<uint32_t, 3>> out;
+  for (size_t i = 0; i < loop.size(); ++i) out.push_back({loop[i], loop[(i + 1) % loop.size()], middle});
+  return out;
+}
+
 size_t count_open(const EdgeUse& use) {
   return static_cast<size_t>(
       std::count_if(use.begin(), use.end(), [](const auto& u) { return u.second.first != u.second.second; }));
@@ -191,8 +216,8 @@ ClosingReport close_mesh(TriangleMesh& mesh) {
   for (const auto& [edge, count] : use) edges.insert(undirected(edge.first, edge.second));
   for (const std::vector<uint32_t>& loop : borders(use)) {
     if (loop.size() < 3) continue;
-    const auto filling = EarCutter(mesh, loop, edges).cut();
-    if (filling.empty()) continue;
+    auto filling = EarCutter(mesh, loop, edges).cut();
+    if (filling.empty()) filling = fan(mesh, loop);
     ++report.holes;
     report.triangles += filling.size();
     for (const auto& t : filling) {

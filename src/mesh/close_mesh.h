@@ -19,9 +19,8 @@ struct ClosingReport {
 size_t open_edges(const TriangleMesh& mesh);
 
 /// Closes the borders of an oriented mesh. Vertices at the same place become one. Ears are cut off each border, the
-/// shortest
-/// first that lie inside of it. No vertex is added. A border that nothing closes without a third triangle at an edge
-/// stays open.
+/// shortest first that lie inside of it. Where every ear would put a third triangle at an edge, a vertex in the middle of
+/// the border closes it.
 ClosingReport close_mesh(TriangleMesh& mesh);
 
 }  // namespace aligngs

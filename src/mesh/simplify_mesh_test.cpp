@@ -193,6 +193,28 @@ TEST(CloseMesh, AHoleThatIsNoStarIsClosedFlat) {
   EXPECT_NEAR(area(mesh), 2, 1e-4) << "no filling covers what is there";
 }
 
+TEST(CloseMesh, AHoleWithoutEarsGetsAVertexInTheMiddle) {
+  TriangleMesh mesh;  // a pyramid without its base
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5f, 0.5f, 1}};
+  mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  for (const auto& [a, c] : {std::pair{0u, 2u}, std::pair{1u, 3u}}) {  // both diagonals are edges of closed bodies
+    const uint32_t q = static_cast<uint32_t>(mesh.vertices.size()), r = q + 1;
+    mesh.vertices.push_back({0.3f, 0.6f, -1});
+    mesh.vertices.push_back({0.8f, 0.4f, -2 - static_cast<float>(a)});
+    for (const auto& t : {std::array{a, c, q}, std::array{c, a, r}, std::array{a, q, r}, std::array{q, c, r}})
+      mesh.triangles.push_back(t);
+  }
+  mesh.vertices[5].x += 0.01f;
+  mesh.colors.assign(mesh.vertices.size(), {10, 20, 30});
+  ASSERT_EQ(open_edges(mesh), 4u);
+  const ClosingReport report = close_mesh(mesh);
+  EXPECT_EQ(report.open_edges, 0u);
+  EXPECT_EQ(report.triangles, 4u);
+  ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
+  EXPECT_EQ(mesh.colors.back()[2], 30);
+  EXPECT_FLOAT_EQ(mesh.vertices.back().x, 0.5f);
+}
+
 TEST(CloseMesh, VerticesAtOnePlaceAreOne) {
   TriangleMesh mesh;  // a tetrahedron of loose triangles, one missing
   const Vec3f p[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
