@@ -13,8 +13,6 @@
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kNoEdge = 0xffffffffu;
-
 uint64_t directed(uint32_t from, uint32_t to) { return uint64_t(from) << 32 | to; }
 uint64_t undirected(uint32_t a, uint32_t b) { return directed(std::min(a, b), std::max(a, b)); }
 

@@ -19,8 +19,8 @@ struct ClosingReport {
 size_t open_edges(const TriangleMesh& mesh);
 
 /// Closes the borders of an oriented mesh. Vertices at the same place become one. Ears are cut off each border, the
-/// shortest first that lie inside of it. Where every ear would put a third triangle at an edge, a vertex in the middle of
-/// the border closes it.
+/// shortest first that lie inside of it. A vertex in the middle closes a border whose every ear would put a third
+/// triangle at an edge.
 ClosingReport close_mesh(TriangleMesh& mesh);
 
 }  // namespace aligngs
