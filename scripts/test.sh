@@ -24,6 +24,7 @@ fi
 scripts/setup.sh
 scripts/check_layering.sh
 scripts/check_names.py
+scripts/check_names_test.py
 scripts/check_prose.sh
 scripts/check_docs.py
 scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON -DALIGNGS_UNITY_BUILD=ON "${definitions[@]}"
