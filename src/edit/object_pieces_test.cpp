@@ -9,21 +9,8 @@ namespace {
 
 constexpr int kChair = 19, kLamp = 36, kBook = 67, kSwivelChair = 75, kSconce = 134;  // ADE20K classes
 
-/// Boxes of Gaussians with classes and numbers in an otherwise empty room; up is -y.
-class ObjectPieces : public testing::Test {
+class ObjectPieces : public small_room::LabelledBoxes {
  protected:
-  ObjectPieces() {
-    room_.model.semantic_channels = 150;
-    room_.extent = small_room::kExtent;
-    room_.labels.label_set = ade20k_labels().name;
-  }
-  void add(const Vec3f& low, const Vec3f& high, int label, int number) {
-    TriangleMesh mesh;
-    small_room::add_box(room_.model, mesh, low, high, {0.5f, 0.5f, 0.5f}, label);
-    room_.labels.label.resize(room_.model.size(), static_cast<uint16_t>(label));
-    room_.labels.instance.resize(room_.model.size(), static_cast<uint16_t>(number));
-    room_.labels.confidence.resize(room_.model.size(), 255);
-  }
   size_t join(const std::optional<Vec3d>& up = Vec3d{0, -1, 0}) {
     return join_object_pieces(room_, ade20k_labels(), up);
   }
@@ -32,7 +19,6 @@ class ObjectPieces : public testing::Test {
     for (const Instance& o : list_instances(room_.model, room_.labels)) out.emplace_back(o.label, o.number);
     return out;
   }
-  LabelledGaussians room_;
 };
 
 using testing::ElementsAre;

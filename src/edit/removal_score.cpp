@@ -125,17 +125,11 @@ RemovalScore score_removal(const fs::path& renders, const fs::path& truth, const
   score_pictures(renders, truth, options, score);
   const std::vector<TruthBox> boxes = boxes_of(truth / "removal.json");
   const TriangleMesh true_mesh = read_mesh_ply(truth / "mesh.ply");
-  constexpr double kTolerance = 0.005;  // metres: the surface a point lies on does not hide it
-  const RayScene rays(true_mesh);
-  std::vector<Vec3f> seen;
   const std::vector<Vec3f> all = in_boxes(true_mesh, boxes, options);
-  for (const Vec3f& p : all) {
-    const Vec3d point = p.cast<double>();
-    if (std::any_of(cameras.begin(), cameras.end(), [&](const Camera& c) {
-          return project_into_image(c, point) && rays.sees(c.centre(), point, kTolerance);
-        })) {
-      seen.push_back(p);
-    }
+  const std::vector<uint8_t> shown = seen_points(RayScene(true_mesh), cameras, all, kOwnSurface, pool);
+  std::vector<Vec3f> seen;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (shown[i]) seen.push_back(all[i]);
   }
   const std::vector<Vec3f> made = in_boxes(mesh, boxes, options);
   score.precision = share_near(made, all, options.threshold, pool);

@@ -1,6 +1,8 @@
 // A small room in memory: a floor with two pillows and a box on it, each thing with Gaussians and a mesh.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "edit/apply_edit.h"
@@ -129,5 +131,26 @@ inline size_t count_label(const EditableRoom& room, int label) {
   for (const uint16_t l : room.gaussians.labels.label) n += l == label;
   return n;
 }
+
+/// Boxes of Gaussians with classes and numbers in an otherwise empty room; up is -y.
+class LabelledBoxes : public testing::Test {
+ protected:
+  LabelledBoxes() {
+    room_.model.semantic_channels = 150;
+    room_.extent = kExtent;
+    room_.labels.label_set = ade20k_labels().name;
+  }
+  /// First row of the new box, and the end.
+  std::pair<size_t, size_t> add(const Vec3f& low, const Vec3f& high, int label, int number = 1) {
+    TriangleMesh mesh;
+    const size_t first = room_.model.size();
+    add_box(room_.model, mesh, low, high, {0.5f, 0.5f, 0.5f}, label);
+    room_.labels.label.resize(room_.model.size(), static_cast<uint16_t>(label));
+    room_.labels.instance.resize(room_.model.size(), static_cast<uint16_t>(number));
+    room_.labels.confidence.resize(room_.model.size(), 255);
+    return {first, room_.model.size()};
+  }
+  LabelledGaussians room_;
+};
 
 }  // namespace aligngs::small_room

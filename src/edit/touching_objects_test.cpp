@@ -9,24 +9,8 @@ namespace {
 
 constexpr int kChair = 19, kPillow = 57, kBook = 67;  // ADE20K classes
 
-/// Boxes of Gaussians of one object in an otherwise empty room; up is -y.
-class TouchingObjects : public testing::Test {
+class TouchingObjects : public small_room::LabelledBoxes {
  protected:
-  TouchingObjects() {
-    room_.model.semantic_channels = 150;
-    room_.extent = small_room::kExtent;
-    room_.labels.label_set = ade20k_labels().name;
-  }
-  /// Rows of the new box.
-  std::pair<size_t, size_t> add(const Vec3f& low, const Vec3f& high, int label, int number = 1) {
-    TriangleMesh mesh;
-    const size_t first = room_.model.size();
-    small_room::add_box(room_.model, mesh, low, high, {0.5f, 0.5f, 0.5f}, label);
-    room_.labels.label.resize(room_.model.size(), static_cast<uint16_t>(label));
-    room_.labels.instance.resize(room_.model.size(), static_cast<uint16_t>(number));
-    room_.labels.confidence.resize(room_.model.size(), 255);
-    return {first, room_.model.size()};
-  }
   size_t split(int threads = 2) {
     ThreadPool pool(threads);
     return split_touching_objects(room_, ade20k_labels(), Vec3d{0, -1, 0}, pool);
@@ -36,7 +20,6 @@ class TouchingObjects : public testing::Test {
     return {room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.first),
             room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.second)};
   }
-  LabelledGaussians room_;
 };
 
 using testing::Each;

@@ -189,18 +189,10 @@ std::optional<BundleStep> BundleSystem::step(const BundleState& at, double radiu
 
 BundleState BundleSystem::moved(const BundleState& at, const BundleStep& step) const {
   BundleState out = at;
-  const double focal = step.views.empty() ? 0 : step.views.front()[kFocalLane];
-  out.log_focal += focal;
+  if (!step.views.empty()) out.log_focal += step.views.front()[kFocalLane];
   for (size_t v = 0; v < out.cameras.size(); ++v) {
-    const Lanes& s = step.views[v];
-    Camera& camera = out.cameras[v];
-    const Vec3d centre = camera.centre() + Vec3d{s[kShiftLane], s[kShiftLane + 1], s[kShiftLane + 2]};
-    Rigidd& pose = camera.world_to_camera;
-    pose.rotation = rotation_of({s[kTurnLane], s[kTurnLane + 1], s[kTurnLane + 2]}) * pose.rotation;
-    pose.translation = -(pose.rotation * centre);
-    camera.fx *= std::exp(focal);
-    camera.fy *= std::exp(focal);
-    out.log_scales[v] += s[kScaleLane];
+    out.cameras[v] = moved_camera(at.cameras[v], step.views[v]);
+    out.log_scales[v] += step.views[v][kScaleLane];
   }
   for (size_t p = 0; p < step.points.size(); ++p) out.points[p] += step.points[p];
   return out;

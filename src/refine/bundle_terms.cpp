@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/rotation_vector.h"
+
 namespace aligngs {
 namespace {
 
@@ -33,6 +35,17 @@ void add_row(TermRows& out, double residual, const Camera& camera, const Vec3d& 
 }
 
 }  // namespace
+
+Camera moved_camera(const Camera& camera, const Lanes& step) {
+  Camera out = camera;
+  const Vec3d centre = camera.centre() + Vec3d{step[kShiftLane], step[kShiftLane + 1], step[kShiftLane + 2]};
+  Rigidd& pose = out.world_to_camera;
+  pose.rotation = rotation_of({step[kTurnLane], step[kTurnLane + 1], step[kTurnLane + 2]}) * pose.rotation;
+  pose.translation = -(pose.rotation * centre);
+  out.fx *= std::exp(step[kFocalLane]);
+  out.fy *= std::exp(step[kFocalLane]);
+  return out;
+}
 
 double term_cost(const BundleTerm& term, const BundleState& state) {
   const size_t view = static_cast<size_t>(term.view);

@@ -17,6 +17,9 @@ inline constexpr double kNearestPoint = 1e-6;
 enum ViewLane { kTurnLane = 0, kShiftLane = 3, kFocalLane = 6, kScaleLane = 7 };
 static_assert(kScaleLane + 1 == kLanes);
 
+/// The camera after a step of its lanes; the scale's has no part in it.
+Camera moved_camera(const Camera& camera, const Lanes& step);
+
 /// Everything that a bundle adjustment changes, at one moment: of the views that take part, and all points.
 struct BundleState {
   std::vector<Camera> cameras;

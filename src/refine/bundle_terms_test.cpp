@@ -39,19 +39,10 @@ TermRows rows_at(const Camera& camera, const Vec3d& point, double log_scale) {
 }
 
 /// The camera after a small change of one number.
-Camera changed(Camera camera, int lane, double by) {
-  Vec3d turn{}, shift{};
-  if (lane < kShiftLane) turn[lane] = by;
-  if (lane >= kShiftLane && lane < kFocalLane) shift[lane - kShiftLane] = by;
-  const Vec3d centre = camera.centre() + shift;
-  Rigidd& pose = camera.world_to_camera;
-  pose.rotation = rotation_of(turn) * pose.rotation;
-  pose.translation = -(pose.rotation * centre);
-  if (lane == kFocalLane) {
-    camera.fx *= std::exp(by);
-    camera.fy *= std::exp(by);
-  }
-  return camera;
+Camera changed(const Camera& camera, int lane, double by) {
+  Lanes step;
+  step[lane] = by;
+  return moved_camera(camera, step);
 }
 
 constexpr double kStep = 1e-6;
