@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
-# Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages] [--format]     --clang adds clang 14 and the fuzzing runtime;
-# --browser adds what the tests of the page, of exports, plans and videos want: chromium, node, npm, assimp-utils, ffmpeg,
-# readers of plans; --python adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML,
-# jsonschema, mypy; --packages adds what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap;
-# --format adds clang-format-14, which scripts/format.sh runs
+# Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages] [--format]
+#   --clang     clang 14 and the fuzzing runtime
+#   --browser   for tests of the page, of exports, plans and videos: chromium, node, npm, ffmpeg and readers of files
+#   --python    for tests of the Python package and of the Kubernetes manifest: numpy, PyYAML, jsonschema, mypy
+#   --packages  for making packages and installing them in a clean Debian: dpkg-dev, file, patchelf, debootstrap
+#   --format    clang-format-14, which scripts/format.sh runs
 set -euo pipefail
 
 packages=(
@@ -27,7 +28,7 @@ for option in "$@"; do
     --python) packages+=(python3-numpy python3-yaml python3-jsonschema mypy) ;;
     --packages) packages+=(dpkg-dev file patchelf debootstrap) ;;
     --format) packages+=(clang-format-14) ;;
-    -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;
+    -h|--help) sed -n '2,8p' "$0" | cut -c3-; exit 0 ;;
     *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
   esac
 done

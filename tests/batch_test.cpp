@@ -20,7 +20,7 @@ using testing_support::run_aligngs;
 using testing_support::StartedProcess;
 using testing_support::wait_until;
 
-constexpr double kPatience = 120;  // seconds: a tenth on a machine that does nothing else
+constexpr double kPatienceOfWorkers = 120;  // seconds: a tenth on a machine that does nothing else
 constexpr const char* kOptions = "--no-refine --set checkpoint.every=20";
 
 class BatchCommand : public testing::Test {
@@ -89,16 +89,17 @@ TEST_F(BatchCommand, AStoppedAndAKilledWorkerLeaveRoomsThatEndTheSame) {
   const auto training = [&] { return fs::exists(checkpoints) && !fs::is_empty(checkpoints); };
   {
     StartedProcess worker(command, root_ / "first");
-    ASSERT_TRUE(wait_until(training, kPatience)) << worker.err();
+    ASSERT_TRUE(wait_until(training, kPatienceOfWorkers)) << worker.err();
     worker.send(SIGUSR1);
-    EXPECT_EQ(worker.wait(kPatience), 75) << worker.err();
+    EXPECT_EQ(worker.wait(kPatienceOfWorkers), 75) << worker.err();
   }
   EXPECT_THAT(run("batch status '" + path("out") + "'").out, HasSubstr("stopped"));
   {
     StartedProcess worker(command, root_ / "second");
-    ASSERT_TRUE(wait_until([&] { return !fs::is_empty(root_ / "out" / "leases"); }, kPatience)) << worker.err();
+    ASSERT_TRUE(wait_until([&] { return !fs::is_empty(root_ / "out" / "leases"); }, kPatienceOfWorkers))
+        << worker.err();
     worker.send(SIGKILL);
-    EXPECT_EQ(worker.wait(kPatience), 128 + SIGKILL);
+    EXPECT_EQ(worker.wait(kPatienceOfWorkers), 128 + SIGKILL);
   }
   const ProcessResult last = run("batch '" + list + "' -o '" + path("out") + "'");
   EXPECT_EQ(last.status, 0) << last.err;

@@ -24,7 +24,7 @@ using testing_support::run_aligngs;
 using testing_support::StartedProcess;
 using testing_support::wait_until;
 
-constexpr double kPatience = 60;  // seconds
+constexpr double kPatienceToRender = 60;  // seconds
 constexpr const char* kKeys = R"({"format": "aligngs camera path", "version": 1, "keys": [
   {"time": 0, "eye": [0, 0, 0], "target": [1, 0.1, 0.1]}, {"time": 2, "eye": [0.3, 0.1, 0], "target": [1, 0.5, 0.1], "fov": 50}]})";
 
@@ -154,9 +154,9 @@ TEST_F(CameraPathCommand, CtrlCLeavesNothingHalfWritten) {
     StartedProcess process({"render", (root() / "run").string(), "--path", "orbit", "--seconds", "3000", "--size",
                             "640x480", "-o", (root() / "out" / output).string()},
                            root() / "scratch");
-    ASSERT_TRUE(wait_until(begun, kPatience)) << process.err();
+    ASSERT_TRUE(wait_until(begun, kPatienceToRender)) << process.err();
     process.send(SIGINT);
-    EXPECT_EQ(process.wait(kPatience), 75) << process.err();
+    EXPECT_EQ(process.wait(kPatienceToRender), 75) << process.err();
     EXPECT_THAT(process.err(), HasSubstr("Ctrl-C was heard"));
     EXPECT_EQ(files(root() / "out"), 1u) << output;
     EXPECT_EQ(read_file(root() / "out" / "old.mp4"), old);

@@ -125,7 +125,7 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
   for (const fs::path& file :
        {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", root_ / "run_link" / "scene.ply",
         root_ / "data" / ".." / "run" / "scene.labels.ply", root_ / "made" / "sparse" / "points3D.ply"}) {
-    for (const std::string command : {"export " + quoted(run) + " -f ply -o ", "mesh " + quoted(run) + " -o "}) {
+    for (const std::string& command : {"export " + quoted(run) + " -f ply -o ", "mesh " + quoted(run) + " -o "}) {
       const ProcessResult result = aligngs(command + quoted(file));
       EXPECT_EQ(result.status, 2) << command << file << result.err;
     }

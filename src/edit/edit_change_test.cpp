@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-EditOperation edit_of(EditKind kind, const std::string& select, bool fill = false) {
+EditOperation edit_with_details(EditKind kind, const std::string& select, bool fill = false) {
   EditOperation edit = small_room::edit_of(kind, select, fill);
   edit.color = {46, 139, 87};
   edit.motion.shift = {0.3, 0, 0};
@@ -56,9 +56,9 @@ void expect_same_room(const EditableRoom& a, const EditableRoom& b) {
 TEST_F(EditChangeTest, EveryKindOfEditIsWhatItsChangeSays) {
   uint32_t number = 0;
   for (const EditOperation& edit :
-       {edit_of(EditKind::kRecolor, "pillow#1"), edit_of(EditKind::kHighlight, "box"),
-        edit_of(EditKind::kDuplicate, "pillow#2"), edit_of(EditKind::kMove, "pillow#1", true),
-        edit_of(EditKind::kDelete, "box", true), edit_of(EditKind::kExtract, "pillow, floor")}) {
+       {edit_with_details(EditKind::kRecolor, "pillow#1"), edit_with_details(EditKind::kHighlight, "box"),
+        edit_with_details(EditKind::kDuplicate, "pillow#2"), edit_with_details(EditKind::kMove, "pillow#1", true),
+        edit_with_details(EditKind::kDelete, "box", true), edit_with_details(EditKind::kExtract, "pillow, floor")}) {
     SCOPED_TRACE(describe(edit));
     made(edit, ++number);
     expect_same_room(room_, edited_);
@@ -68,7 +68,8 @@ TEST_F(EditChangeTest, EveryKindOfEditIsWhatItsChangeSays) {
 
 TEST_F(EditChangeTest, TheFileReadsBackAndDoesTheSame) {
   const EditableRoom before = room_;
-  for (const EditOperation& edit : {edit_of(EditKind::kRecolor, "pillow"), edit_of(EditKind::kMove, "box", true)}) {
+  for (const EditOperation& edit :
+       {edit_with_details(EditKind::kRecolor, "pillow"), edit_with_details(EditKind::kMove, "box", true)}) {
     SCOPED_TRACE(describe(edit));
     room_ = before;
     const EditChange change = made(edit, 1);
@@ -82,14 +83,14 @@ TEST_F(EditChangeTest, TheFileReadsBackAndDoesTheSame) {
 }
 
 TEST_F(EditChangeTest, ARecolouringIsSmall) {
-  const EditChange change = made(edit_of(EditKind::kRecolor, "floor"), 1);
+  const EditChange change = made(edit_with_details(EditKind::kRecolor, "floor"), 1);
   ASSERT_TRUE(change.colors);
   EXPECT_GT(change.colors->rows.size(), 1000u);
   EXPECT_LT(encode_change(change).size(), 16 * change.colors->rows.size()) << "no colours are stored";
 }
 
 TEST_F(EditChangeTest, DamagedFilesAreRefusedByName) {
-  const std::string good = encode_change(made(edit_of(EditKind::kDelete, "box", true), 1));
+  const std::string good = encode_change(made(edit_with_details(EditKind::kDelete, "box", true), 1));
   std::string flipped = good;
   flipped[good.size() / 2] = static_cast<char>(flipped[good.size() / 2] ^ 1);
   for (const std::string& bad : {std::string(), std::string("nonsense"), good.substr(0, good.size() / 2), flipped}) {
@@ -105,7 +106,7 @@ TEST_F(EditChangeTest, DamagedFilesAreRefusedByName) {
 
 TEST_F(EditChangeTest, AChangeOfRowsThatAreNotThereChangesNothing) {
   const EditableRoom before = room_;
-  const EditChange change = made(edit_of(EditKind::kDelete, "box"), 1);
+  const EditChange change = made(edit_with_details(EditKind::kDelete, "box"), 1);
   const EditableRoom once = room_;
   EXPECT_FALSE(apply_change(room_, change)) << "the box is gone already";
   expect_same_room(room_, once);
@@ -119,8 +120,8 @@ TEST_F(EditChangeTest, AnotherTrainingHasAnotherDigest) {
 }
 
 TEST_F(EditChangeTest, EditsOfThingsThatAreApartAreIndependent) {
-  const EditChange first = made(edit_of(EditKind::kDelete, "pillow#2"), 1),
-                   second = made(edit_of(EditKind::kRecolor, "box"), 2);
+  const EditChange first = made(edit_with_details(EditKind::kDelete, "pillow#2"), 1),
+                   second = made(edit_with_details(EditKind::kRecolor, "box"), 2);
   EXPECT_TRUE(is_independent(first, second));
 }
 
@@ -131,15 +132,21 @@ TEST_F(EditChangeTest, AnEditThatFollowsFromAnotherIsNot) {
     const EditChange a = made(first, 1), b = made(second, 2);
     return !is_independent(a, b);
   };
-  EXPECT_TRUE(follows(edit_of(EditKind::kDuplicate, "box"), edit_of(EditKind::kDelete, "box#2"))) << "its rows";
-  EXPECT_TRUE(follows(edit_of(EditKind::kDelete, "pillow#1"), edit_of(EditKind::kRecolor, "pillow")))
+  EXPECT_TRUE(follows(edit_with_details(EditKind::kDuplicate, "box"), edit_with_details(EditKind::kDelete, "box#2")))
+      << "its rows";
+  EXPECT_TRUE(
+      follows(edit_with_details(EditKind::kDelete, "pillow#1"), edit_with_details(EditKind::kRecolor, "pillow")))
       << "the pillow comes back without colour";
-  EXPECT_TRUE(follows(edit_of(EditKind::kRecolor, "box"), edit_of(EditKind::kRecolor, "box"))) << "its colours";
-  EXPECT_TRUE(follows(edit_of(EditKind::kRecolor, "floor"), edit_of(EditKind::kDelete, "box", true)))
+  EXPECT_TRUE(follows(edit_with_details(EditKind::kRecolor, "box"), edit_with_details(EditKind::kRecolor, "box")))
+      << "its colours";
+  EXPECT_TRUE(
+      follows(edit_with_details(EditKind::kRecolor, "floor"), edit_with_details(EditKind::kDelete, "box", true)))
       << "the fill has the colour of the floor";
-  EXPECT_TRUE(follows(edit_of(EditKind::kDelete, "pillow#1"), edit_of(EditKind::kExtract, "everything but floor")))
+  EXPECT_TRUE(follows(edit_with_details(EditKind::kDelete, "pillow#1"),
+                      edit_with_details(EditKind::kExtract, "everything but floor")))
       << "asks for all";
-  EXPECT_FALSE(follows(edit_of(EditKind::kRecolor, "pillow#1"), edit_of(EditKind::kDelete, "pillow#2")));
+  EXPECT_FALSE(
+      follows(edit_with_details(EditKind::kRecolor, "pillow#1"), edit_with_details(EditKind::kDelete, "pillow#2")));
 }
 
 TEST(ChangeName, IsANumberAndADigest) {

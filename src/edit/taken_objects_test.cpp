@@ -7,12 +7,12 @@
 namespace aligngs {
 namespace {
 
-constexpr uint16_t kBed = 7, kChair = 19;
+constexpr uint16_t kTakenBed = 7, kTakenChair = 19;
 
 /// Two beds of two Gaussians, a chair of three, and one Gaussian without a label.
 GaussianLabels labels() {
   GaussianLabels out;
-  out.label = {kBed, kBed, kBed, kBed, kChair, kChair, kChair, kNoLabel};
+  out.label = {kTakenBed, kTakenBed, kTakenBed, kTakenBed, kTakenChair, kTakenChair, kTakenChair, kNoLabel};
   out.instance = {1, 1, 2, 2, 1, 1, 1, 0};
   return out;
 }
@@ -20,9 +20,9 @@ GaussianLabels labels() {
 TEST(TakenObjects, AreThoseOfWhichHalfIsSelected) {
   const GaussianLabels named = labels();
   const TakenObjects taken(named, {1, 0, 0, 0, 1, 0, 0, 0});
-  EXPECT_TRUE(taken.holds(kBed, 1));
-  EXPECT_FALSE(taken.holds(kBed, 2));
-  EXPECT_FALSE(taken.holds(kChair, 1)) << "a third of it";
+  EXPECT_TRUE(taken.holds(kTakenBed, 1));
+  EXPECT_FALSE(taken.holds(kTakenBed, 2));
+  EXPECT_FALSE(taken.holds(kTakenChair, 1)) << "a third of it";
 }
 
 TEST(TakenObjects, HoldTheirUnselectedGaussians) {

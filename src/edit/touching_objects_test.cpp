@@ -7,7 +7,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kChair = 19, kPillow = 57, kBook = 67;  // ADE20K classes
+constexpr int kTouchingChair = 19, kPillow = 57, kTouchingBook = 67;  // ADE20K classes
 
 class TouchingObjects : public small_room::LabelledBoxes {
  protected:
@@ -35,19 +35,19 @@ TEST_F(TouchingObjects, PillowsCornerToCornerAreTwo) {
 TEST_F(TouchingObjects, BooksOnThreeBoardsAreThree) {
   for (int board = 0; board < 3; ++board) {
     const float y = -0.36f * static_cast<float>(board);
-    add({0, y - 0.28f, 0}, {0.8f, y, 0.2f}, kBook);
+    add({0, y - 0.28f, 0}, {0.8f, y, 0.2f}, kTouchingBook);
   }
   EXPECT_EQ(split(), 2u);
 }
 
 TEST_F(TouchingObjects, ALongBoxIsOne) {
-  add({0, -0.2f, 0}, {2.0f, 0, 0.2f}, kBook);
+  add({0, -0.2f, 0}, {2.0f, 0, 0.2f}, kTouchingBook);
   EXPECT_EQ(split(), 0u);
 }
 
 TEST_F(TouchingObjects, FurnitureIsNotCut) {
-  add({0, -0.3f, 0}, {0.6f, 0, 0.6f}, kChair);
-  add({0.64f, -0.3f, 0.64f}, {1.08f, 0, 1.08f}, kChair);
+  add({0, -0.3f, 0}, {0.6f, 0, 0.6f}, kTouchingChair);
+  add({0.64f, -0.3f, 0.64f}, {1.08f, 0, 1.08f}, kTouchingChair);
   EXPECT_EQ(split(), 0u);
 }
 

@@ -7,27 +7,28 @@
 namespace aligngs {
 namespace {
 
-constexpr int kClasses = 3;
+constexpr int kDrawnClasses = 3;
 
 /// A line of Gaussians, 1 apart, all alike but for their classes' probabilities.
-GaussianModel line(const std::vector<std::array<double, kClasses>>& probabilities) {
+GaussianModel line(const std::vector<std::array<double, kDrawnClasses>>& probabilities) {
   GaussianModel model;
-  model.semantic_channels = kClasses;
+  model.semantic_channels = kDrawnClasses;
   model.resize(probabilities.size());
   for (size_t i = 0; i < probabilities.size(); ++i) {
     model.positions[3 * i] = static_cast<float>(i);
     model.rotations[4 * i] = 1;
     model.opacity_logits[i] = 2;
-    for (size_t c = 0; c < kClasses; ++c)
-      model.semantics[kClasses * i + c] = static_cast<float>(std::log(probabilities[i][c]));
+    for (size_t c = 0; c < kDrawnClasses; ++c)
+      model.semantics[kDrawnClasses * i + c] = static_cast<float>(std::log(probabilities[i][c]));
   }
   return model;
 }
 
-std::array<double, kClasses> drawn(const GaussianModel& model, size_t i) {
-  std::array<double, kClasses> p{};
+std::array<double, kDrawnClasses> drawn(const GaussianModel& model, size_t i) {
+  std::array<double, kDrawnClasses> p{};
   double sum = 0;
-  for (size_t c = 0; c < kClasses; ++c) sum += p[c] = std::exp(static_cast<double>(model.semantics[kClasses * i + c]));
+  for (size_t c = 0; c < kDrawnClasses; ++c)
+    sum += p[c] = std::exp(static_cast<double>(model.semantics[kDrawnClasses * i + c]));
   for (double& x : p) x /= sum;
   return p;
 }
@@ -55,7 +56,7 @@ TEST(DrawnLabels, RowsThatNoPixelTaughtStayWithoutClass) {
 }
 
 TEST(DrawnLabels, NeighboursOfLikeColourHaveASay) {
-  std::vector<std::array<double, kClasses>> rows(20, {0.9, 0.05, 0.05});
+  std::vector<std::array<double, kDrawnClasses>> rows(20, {0.9, 0.05, 0.05});
   rows[10] = {0.45, 0.5, 0.05};
   GaussianModel model = line(rows);
   ThreadPool pool(2);
@@ -67,7 +68,7 @@ TEST(DrawnLabels, WithoutSemanticsOrGaussiansNothingHappens) {
   ThreadPool pool(1);
   GaussianModel none;
   sharpen_label_rows(none, 1, 4, pool);
-  none.semantic_channels = kClasses;
+  none.semantic_channels = kDrawnClasses;
   sharpen_label_rows(none, 1, 4, pool);
   EXPECT_EQ(none.size(), 0u);
 }

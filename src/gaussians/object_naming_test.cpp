@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-enum : uint16_t { kWall, kBlind, kCurtain, kRadiator, kLamp, kClasses };
+enum : uint16_t { kWall, kBlind, kCurtain, kRadiator, kLamp, kNamedClasses };
 
 /// Adds a region called `label`: what share of its votes and how many photos each class has.
 struct Said {
@@ -19,14 +19,14 @@ struct Said {
   uint16_t photos;
 };
 void add_region(RegionEvidence& e, uint16_t label, double area, const std::vector<Said>& said) {
-  e.classes = kClasses;
+  e.classes = kNamedClasses;
   e.label.push_back(label);
   e.area.push_back(area);
-  e.share.resize(e.share.size() + kClasses, 0.0);
-  e.photos.resize(e.photos.size() + kClasses, 0);
+  e.share.resize(e.share.size() + kNamedClasses, 0.0);
+  e.photos.resize(e.photos.size() + kNamedClasses, 0);
   for (const Said& s : said) {
-    e.share[e.share.size() - kClasses + s.label] = s.share;
-    e.photos[e.photos.size() - kClasses + s.label] = s.photos;
+    e.share[e.share.size() - kNamedClasses + s.label] = s.share;
+    e.photos[e.photos.size() - kNamedClasses + s.label] = s.photos;
   }
 }
 
@@ -79,7 +79,7 @@ TEST(NameRegions, WithoutRegionsOrLabelsNothingHappens) {
 /// A lamp of ten Gaussians: its photos agree on the middle, and on its rim 0.4 of the votes are for it.
 OutlineEvidence lamp_on_a_wall(uint8_t allowed) {
   OutlineEvidence e;
-  e.classes = kClasses;
+  e.classes = kNamedClasses;
   for (size_t i = 0; i < 1000; ++i) {
     const bool middle = i < 4, rim = i >= 4 && i < 10;
     e.area.push_back(1);

@@ -66,18 +66,18 @@ TEST(Restructure, CopiesAreOfRowsAsTheyWereBeforeAnyMoved) {
 }
 
 TEST(Restructure, AnyPlanGivesWhatThePlainLoopGives) {
-  constexpr size_t kRows = 40, kWidth = 3;
+  constexpr size_t kOfThePlan = 40, kWidth = 3;
   Random random(7);
   for (int trial = 0; trial < 200; ++trial) {
     RestructurePlan plan;
-    for (uint32_t i = 0; i < kRows; ++i) {
+    for (uint32_t i = 0; i < kOfThePlan; ++i) {
       if (random.uniform() < 0.8) plan.rows.push_back({i});
     }
     const size_t copies = trial % 3 == 0 ? 0 : static_cast<size_t>(random.uniform() * 20);
     for (size_t k = 0; k < copies; ++k)
-      plan.rows.push_back({static_cast<uint32_t>(random.uniform() * kRows), k % 2 ? kClone : kSplit});
+      plan.rows.push_back({static_cast<uint32_t>(random.uniform() * kOfThePlan), k % 2 ? kClone : kSplit});
     if (trial % 5 == 0) std::reverse(plan.rows.begin(), plan.rows.end());  // as an order along a curve may have it
-    std::vector<float> rows = numbered(kRows, kWidth);
+    std::vector<float> rows = numbered(kOfThePlan, kWidth);
     const std::vector<float> want = carried_out(plan, kWidth, rows);
     restructure_rows(plan, kWidth, rows);
     EXPECT_EQ(rows, want) << "trial " << trial;

@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-std::filesystem::path fresh_folder(const std::string& name) {
+std::filesystem::path folder_of_files(const std::string& name) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "atomic_file_test" / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
@@ -45,7 +45,7 @@ class FileSizeLimit {
 };
 
 TEST(AtomicFile, WritesAndCreatesTheFolder) {
-  const auto path = fresh_folder("write") / "a" / "b" / "file.txt";
+  const auto path = folder_of_files("write") / "a" / "b" / "file.txt";
   AtomicFile file(path);
   file.write("hello ");
   file.write(std::string(3 << 20, 'x'));
@@ -55,7 +55,7 @@ TEST(AtomicFile, WritesAndCreatesTheFolder) {
 }
 
 TEST(AtomicFile, APipeIsNotReplaced) {
-  const auto pipe = fresh_folder("pipe") / "pipe";
+  const auto pipe = folder_of_files("pipe") / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   try {
     write_file_atomically(pipe, "x");
@@ -67,7 +67,7 @@ TEST(AtomicFile, APipeIsNotReplaced) {
 }
 
 TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {
-  const auto folder = fresh_folder("no_commit");
+  const auto folder = folder_of_files("no_commit");
   write_file_atomically(folder / "file.txt", "old");
   {
     AtomicFile file(folder / "file.txt");
@@ -79,7 +79,7 @@ TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {
 }
 
 TEST(AtomicFile, FullDiskIsAResourceErrorAndKeepsTheOldFile) {
-  const auto folder = fresh_folder("full");
+  const auto folder = folder_of_files("full");
   write_file_atomically(folder / "file.txt", "old");
   {
     const FileSizeLimit limit(1000);
@@ -97,7 +97,7 @@ TEST(AtomicFile, FullDiskIsAResourceErrorAndKeepsTheOldFile) {
 }
 
 TEST(AtomicFile, AParentThatIsAFileIsAResourceError) {
-  const auto folder = fresh_folder("parent");
+  const auto folder = folder_of_files("parent");
   write_file_atomically(folder / "file", "x");
   try {
     AtomicFile file(folder / "file" / "below.txt");
@@ -109,14 +109,14 @@ TEST(AtomicFile, AParentThatIsAFileIsAResourceError) {
 }
 
 TEST(AtomicFile, CannotReplaceAFolder) {
-  const auto folder = fresh_folder("replace");
+  const auto folder = folder_of_files("replace");
   std::filesystem::create_directories(folder / "taken");
   EXPECT_THROW(write_file_atomically(folder / "taken", "x"), Error);
   EXPECT_EQ(files_in(folder), 0u);
 }
 
 TEST(ReadFile, RefusesAbsentFilesFoldersAndLargeFiles) {
-  const auto folder = fresh_folder("read");
+  const auto folder = folder_of_files("read");
   write_file_atomically(folder / "file", "12345");
   EXPECT_EQ(read_file(folder / "file", 5), "12345");
   for (const auto& path : {folder / "absent", folder}) {

@@ -18,7 +18,7 @@ using testing::Pair;
 
 namespace fs = std::filesystem;
 
-fs::path fresh_folder(const std::string& name) {
+fs::path model_folder(const std::string& name) {
   const fs::path folder = fs::path(testing::TempDir()) / "colmap_test" / name;
   fs::remove_all(folder);
   return folder;
@@ -82,13 +82,14 @@ const std::string kImagesText =
 const std::string kPointsText = "# 3D point list\n42 0.1 0.2 0.3 255 0 7 0.65 3 0\n";
 
 fs::path text_model(const std::string& name, const std::string& cameras, const std::string& images) {
-  const fs::path folder = fresh_folder(name);
+  const fs::path folder = model_folder(name);
   write_file_atomically(folder / "cameras.txt", cameras);
   write_file_atomically(folder / "images.txt", images);
   return folder;
 }
 
-void expect_bad(const fs::path& folder, const std::string& file, const std::string& field, const std::string& message) {
+void expect_bad_model(const fs::path& folder, const std::string& file, const std::string& field,
+                      const std::string& message) {
   try {
     read_colmap_model(folder);
     FAIL() << "accepted";
@@ -101,7 +102,7 @@ void expect_bad(const fs::path& folder, const std::string& file, const std::stri
 }
 
 TEST(Colmap, BinaryRoundTrip) {
-  const fs::path folder = fresh_folder("binary");
+  const fs::path folder = model_folder("binary");
   write_colmap_binary(folder, small_model());
   expect_small_model(read_colmap_model(folder));
 }
@@ -120,7 +121,7 @@ TEST(Colmap, EmptyKeypointLinesKeepTheImagesApart) {
 
 TEST(Colmap, BinaryIsPreferredFileByFile) {
   const fs::path folder = text_model("mixed", kCamerasText, "this text is not read\n");
-  const fs::path binary = fresh_folder("mixed_binary");
+  const fs::path binary = model_folder("mixed_binary");
   write_colmap_binary(binary, small_model());
   fs::copy_file(binary / "images.bin", folder / "images.bin");
   EXPECT_EQ(read_colmap_model(folder).images.size(), 2u);
@@ -148,7 +149,7 @@ TEST(Colmap, OnePanoramaIsNoDamagedFile) {
 }
 
 TEST(Colmap, PointsMayBeAbsent) {
-  const fs::path folder = fresh_folder("no_points");
+  const fs::path folder = model_folder("no_points");
   write_colmap_binary(folder, small_model());
   fs::remove(folder / "points3D.bin");
   EXPECT_TRUE(read_colmap_model(folder).points.empty());
@@ -254,7 +255,7 @@ TEST(Colmap, APlyCountsWhereThereAreNoOtherPoints) {
 }
 
 TEST(Colmap, APlyAloneIsNamedForWhatItIs) {
-  const fs::path scene = fresh_folder("ply_alone");
+  const fs::path scene = model_folder("ply_alone");
   write_file_atomically(scene / "sparse" / "0" / "points3D.ply", "ply\n");
   try {
     find_colmap_folder(scene);
@@ -265,12 +266,13 @@ TEST(Colmap, APlyAloneIsNamedForWhatItIs) {
 }
 
 TEST(Colmap, NamesWhatIsWrongInText) {
-  expect_bad(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL", "CUBE");
-  expect_bad(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS", "missing");
-  expect_bad(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS", "too many");
-  expect_bad(text_model("camera_twice", kCamerasText + "7 PINHOLE 64 48 1 2 3 4\n", ""), "cameras.txt", "camera 7",
-             "twice");
-  expect_bad(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt", "line 2, QY", "zero");
+  expect_bad_model(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL", "CUBE");
+  expect_bad_model(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS", "missing");
+  expect_bad_model(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS", "too many");
+  expect_bad_model(text_model("camera_twice", kCamerasText + "7 PINHOLE 64 48 1 2 3 4\n", ""), "cameras.txt",
+                   "camera 7", "twice");
+  expect_bad_model(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt", "line 2, QY",
+                   "zero");
 }
 
 TEST(Colmap, RefusesUnknownBinaryModelsAndHugeCounts) {
@@ -287,7 +289,7 @@ TEST(Colmap, RefusesUnknownBinaryModelsAndHugeCounts) {
 }
 
 TEST(Colmap, FindsTheModelOfAScene) {
-  const fs::path scene = fresh_folder("scene");
+  const fs::path scene = model_folder("scene");
   EXPECT_THROW(find_colmap_folder(scene), Error);
   write_colmap_binary(scene, small_model());
   EXPECT_EQ(find_colmap_folder(scene), scene);
@@ -305,14 +307,14 @@ TEST(Colmap, FindsTheModelOfAScene) {
 }
 
 TEST(Colmap, FindsTheModelWhereNerfstudioPutsIt) {
-  const fs::path scene = fresh_folder("nerfstudio");
+  const fs::path scene = model_folder("nerfstudio");
   write_colmap_binary(scene / "colmap" / "sparse" / "0", small_model());
   EXPECT_TRUE(may_hold_colmap_model(scene));
   EXPECT_EQ(find_colmap_folder(scene), scene / "colmap" / "sparse" / "0");
   EXPECT_EQ(choice_of_model(scene), "");
 }
 
-TEST(Colmap, MissingFilesAreNamed) { expect_bad(fresh_folder("nothing"), "", "cameras", "cameras.bin"); }
+TEST(Colmap, MissingFilesAreNamed) { expect_bad_model(model_folder("nothing"), "", "cameras", "cameras.bin"); }
 
 TEST(Colmap, ReadsARealModel) {
   const fs::path folder = fs::path(ALIGNGS_SOURCE_DIR) / "../shared/data/kitchen_rgbd";

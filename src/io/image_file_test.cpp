@@ -14,7 +14,7 @@
 namespace aligngs {
 namespace {
 
-std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "image_file_test"; }
+std::filesystem::path image_folder() { return std::filesystem::path(testing::TempDir()) / "image_file_test"; }
 
 std::string text_of(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -47,7 +47,7 @@ std::string with_exif(const std::string& jpeg, int orientation, bool big_endian)
   return jpeg.substr(0, 2) + "\xff\xe1" + std::string{char(length >> 8), char(length & 255)} + content + jpeg.substr(2);
 }
 
-void expect_bad(const std::function<void()>& action) {
+void expect_bad_photo(const std::function<void()>& action) {
   try {
     action();
     FAIL() << "accepted";
@@ -61,24 +61,24 @@ TEST(Png, RoundTripsEveryChannelCount) {
   for (const int channels : {1, 3, 4}) {
     Image<uint8_t> image(5, 3, channels);
     for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = uint8_t(i * 7);
-    write_png(folder() / "a.png", image);
-    const Image<uint8_t> back = read_image(folder() / "a.png");
+    write_png(image_folder() / "a.png", image);
+    const Image<uint8_t> back = read_image(image_folder() / "a.png");
     ASSERT_EQ(back.channels, channels == 4 ? 4 : 3);
     ASSERT_EQ(back.width, 5);
     for (int c = 0; c < back.channels; ++c) EXPECT_EQ(back.at(4, 2, c), image.at(4, 2, channels == 1 ? 0 : c));
-    EXPECT_EQ(read_image_info(folder() / "a.png").channels, channels);
+    EXPECT_EQ(read_image_info(image_folder() / "a.png").channels, channels);
   }
 }
 
 TEST(Png, RoundTripsSixteenBitValues) {
   Image<uint16_t> depth(3, 2, 1);
   depth.data = {0, 1, 255, 256, 40000, 65535};
-  write_png16(folder() / "depth.png", depth);
-  EXPECT_EQ(read_gray_png(folder() / "depth.png").data, depth.data);
-  const ImageInfo info = read_image_info(folder() / "depth.png");
+  write_png16(image_folder() / "depth.png", depth);
+  EXPECT_EQ(read_gray_png(image_folder() / "depth.png").data, depth.data);
+  const ImageInfo info = read_image_info(image_folder() / "depth.png");
   EXPECT_EQ(info.bit_depth, 16);
   EXPECT_EQ(info.channels, 1);
-  EXPECT_EQ(read_image(folder() / "depth.png").at(1, 1, 2), 40000 >> 8);
+  EXPECT_EQ(read_image(image_folder() / "depth.png").at(1, 1, 2), 40000 >> 8);
 }
 
 TEST(Png, GrayReaderKeepsEightBitLabels) {
@@ -103,14 +103,14 @@ TEST(Png, GrayReaderGivesPaletteIndices) {
 }
 
 TEST(Png, GrayReaderRefusesColourAndJpeg) {
-  expect_bad([] { decode_gray_png(text_of(encode_png(Image<uint8_t>(2, 2, 3))), "photo"); });
-  expect_bad([] { decode_gray_png(text_of(encode_jpeg(Image<uint8_t>(2, 2, 3))), "photo"); });
+  expect_bad_photo([] { decode_gray_png(text_of(encode_png(Image<uint8_t>(2, 2, 3))), "photo"); });
+  expect_bad_photo([] { decode_gray_png(text_of(encode_jpeg(Image<uint8_t>(2, 2, 3))), "photo"); });
 }
 
 TEST(Jpeg, RoundTripsWithinCompressionLoss) {
   const Image<uint8_t> image = blocks();
-  write_jpeg(folder() / "a.jpg", image, 95);
-  const Image<uint8_t> back = read_image(folder() / "a.jpg");
+  write_jpeg(image_folder() / "a.jpg", image, 95);
+  const Image<uint8_t> back = read_image(image_folder() / "a.jpg");
   ASSERT_EQ(back.width, 16);
   ASSERT_EQ(back.height, 24);
   for (size_t i = 0; i < image.data.size(); ++i) EXPECT_NEAR(back.data[i], image.data[i], 2);
@@ -157,9 +157,9 @@ TEST(Jpeg, EveryExifOrientationComesOutUpright) {
       ASSERT_EQ(image.width, w) << test.orientation;
       ASSERT_EQ(image.height, h);
       for (size_t i = 0; i < image.data.size(); ++i) ASSERT_NEAR(image.data[i], upright.data[i], 2) << test.orientation;
-      write_file_atomically(folder() / "held.jpg", bytes);
-      EXPECT_EQ(read_image_info(folder() / "held.jpg").width, w);
-      EXPECT_EQ(read_image_info(folder() / "held.jpg").height, h);
+      write_file_atomically(image_folder() / "held.jpg", bytes);
+      EXPECT_EQ(read_image_info(image_folder() / "held.jpg").width, w);
+      EXPECT_EQ(read_image_info(image_folder() / "held.jpg").height, h);
     }
   }
 }
@@ -169,9 +169,9 @@ TEST(Jpeg, StoredPixelsAreThoseWithoutTheTag) {
   for (int orientation = 1; orientation <= 8; ++orientation) {
     for (const bool big_endian : {false, true}) {
       const std::string bytes = with_exif(text_of(encode_jpeg(stored, 95)), orientation, big_endian);
-      write_file_atomically(folder() / "held.jpg", bytes);
-      EXPECT_EQ(read_image_info(folder() / "held.jpg").stored_width, stored.width);
-      EXPECT_EQ(read_image_info(folder() / "held.jpg").orientation, orientation);
+      write_file_atomically(image_folder() / "held.jpg", bytes);
+      EXPECT_EQ(read_image_info(image_folder() / "held.jpg").stored_width, stored.width);
+      EXPECT_EQ(read_image_info(image_folder() / "held.jpg").orientation, orientation);
       const Image<uint8_t> plain = decode_stored_image(bytes, "");
       EXPECT_EQ(plain.width, stored.width);
       EXPECT_NEAR(plain.at(15, 23, 0), stored.at(15, 23, 0), 2);
@@ -241,7 +241,7 @@ TEST(ImageFile, TruncatedFilesAreErrors) {
   for (const std::string& whole : {text_of(encode_jpeg(noise)), text_of(encode_png(noise))}) {
     EXPECT_NO_THROW(decode_image(whole, "photo"));
     for (const size_t keep : {whole.size() - 1, whole.size() - 2, whole.size() / 2, size_t(30), size_t(3), size_t(0)}) {
-      expect_bad([&] { decode_image(whole.substr(0, keep), "photo"); });
+      expect_bad_photo([&] { decode_image(whole.substr(0, keep), "photo"); });
     }
   }
 }
@@ -255,24 +255,24 @@ TEST(ImageFile, AHeaderThatPromisesTooMuchIsRefusedBeforeAllocating) {
   std::string jpeg = text_of(encode_jpeg(Image<uint8_t>(20, 20, 3)));
   for (size_t i = jpeg.find("\xff\xc0") + 5, k = 0; k < 4; ++k)
     jpeg[i + k] = char(k % 2 ? 0x20 : 0x4e);  // 20000 a side
-  expect_bad([&] { decode_image(jpeg, "photo"); });
+  expect_bad_photo([&] { decode_image(jpeg, "photo"); });
   png.replace(16, 8, std::string("\0\0\x4e\x20\0\0\x4e\x20", 8));
-  expect_bad([&] { decode_image(png, "photo"); });
+  expect_bad_photo([&] { decode_image(png, "photo"); });
 }
 
 TEST(ImageFile, OtherFilesAreRefused) {
-  write_file_atomically(folder() / "text.png", "this is no picture");
-  EXPECT_THROW(read_image(folder() / "text.png"), Error);
-  EXPECT_THROW(read_image_info(folder() / "text.png"), Error);
-  EXPECT_THROW(read_image_info(folder() / "absent.png"), Error);
-  EXPECT_THROW(read_image_info(folder()), Error);
+  write_file_atomically(image_folder() / "text.png", "this is no picture");
+  EXPECT_THROW(read_image(image_folder() / "text.png"), Error);
+  EXPECT_THROW(read_image_info(image_folder() / "text.png"), Error);
+  EXPECT_THROW(read_image_info(image_folder() / "absent.png"), Error);
+  EXPECT_THROW(read_image_info(image_folder()), Error);
 }
 
 TEST(ImageFile, InfoIsFoundBehindALargeProfile) {
   std::string jpeg = text_of(encode_jpeg(blocks()));
   std::string profile = "\xff\xe2\xff\xff" + std::string(65533, 'p');
-  write_file_atomically(folder() / "profile.jpg", jpeg.substr(0, 2) + profile + profile + jpeg.substr(2));
-  EXPECT_EQ(read_image_info(folder() / "profile.jpg").width, 16);
+  write_file_atomically(image_folder() / "profile.jpg", jpeg.substr(0, 2) + profile + profile + jpeg.substr(2));
+  EXPECT_EQ(read_image_info(image_folder() / "profile.jpg").width, 16);
 }
 
 TEST(ImageFile, InfoOfALargePngNeedsOnlyItsBeginning) {
@@ -281,16 +281,16 @@ TEST(ImageFile, InfoOfALargePngNeedsOnlyItsBeginning) {
   for (uint8_t& value : noise.data) value = uint8_t((state = state * 1664525 + 1013904223) >> 24);
   const std::string png = text_of(encode_png(noise));
   ASSERT_GT(png.size(), 100000u);
-  write_file_atomically(folder() / "large.png", png);
-  EXPECT_EQ(read_image_info(folder() / "large.png").width, 300);
+  write_file_atomically(image_folder() / "large.png", png);
+  EXPECT_EQ(read_image_info(image_folder() / "large.png").width, 300);
   // A private chunk of 100 kB between the header and the pixels, with its checksum.
   std::string chunk = std::string("\0\1\x86\xa0", 4) + "prVt" + std::string(100000, 'x');
   const auto crc = crc32(0, reinterpret_cast<const Bytef*>(chunk.data() + 4), unsigned(chunk.size() - 4));
   for (int shift = 24; shift >= 0; shift -= 8) chunk += char(crc >> shift & 255);
   constexpr size_t kEndOfHeader = 33;
-  write_file_atomically(folder() / "chunk.png", png.substr(0, kEndOfHeader) + chunk + png.substr(kEndOfHeader));
-  EXPECT_EQ(read_image_info(folder() / "chunk.png").height, 200);
-  EXPECT_EQ(read_image(folder() / "chunk.png").data, noise.data);
+  write_file_atomically(image_folder() / "chunk.png", png.substr(0, kEndOfHeader) + chunk + png.substr(kEndOfHeader));
+  EXPECT_EQ(read_image_info(image_folder() / "chunk.png").height, 200);
+  EXPECT_EQ(read_image(image_folder() / "chunk.png").data, noise.data);
 }
 
 TEST(ImageFile, FloatConversionsClampAndRound) {

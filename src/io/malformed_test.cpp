@@ -21,10 +21,10 @@ struct Format {
 
 void PrintTo(const Format& format, std::ostream* out) { *out << format.name; }
 
-std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "malformed_test"; }
+std::filesystem::path malformed_folder() { return std::filesystem::path(testing::TempDir()) / "malformed_test"; }
 
 const valid_files::ColmapFiles& model() {
-  static const valid_files::ColmapFiles files = valid_files::colmap(folder());
+  static const valid_files::ColmapFiles files = valid_files::colmap(malformed_folder());
   return files;
 }
 
@@ -32,15 +32,18 @@ std::vector<Format> formats() {
   namespace valid = valid_files;
   const std::string none(8, '\0');  // a COLMAP file of no entries
   return {
-      {"npy", [] { return valid::npy(folder()); }, [](const std::string& b) { decode_npy(b, "x"); }},
-      {"torch", [] { return valid::torch(folder()); }, [](const std::string& b) { decode_torch_tensor(b, "x"); }},
-      {"safetensors", [] { return valid::safetensors(folder()); },
+      {"npy", [] { return valid::npy(malformed_folder()); }, [](const std::string& b) { decode_npy(b, "x"); }},
+      {"torch", [] { return valid::torch(malformed_folder()); },
+       [](const std::string& b) { decode_torch_tensor(b, "x"); }},
+      {"safetensors", [] { return valid::safetensors(malformed_folder()); },
        [](const std::string& b) { decode_safetensors(b, "x"); }},
-      {"binary_ply", [] { return valid::binary_ply(folder()); }, [](const std::string& b) { decode_ply(b, "x"); }},
+      {"binary_ply", [] { return valid::binary_ply(malformed_folder()); },
+       [](const std::string& b) { decode_ply(b, "x"); }},
       {"ascii_ply", [] { return valid::ascii_ply(); }, [](const std::string& b) { decode_ply(b, "x"); }, false},
       {"png", [] { return valid::text_of(encode_png(valid::picture(4))); },
        [](const std::string& b) { decode_image(b, "x"); }},
-      {"gray_png", [] { return valid::gray_png16(folder()); }, [](const std::string& b) { decode_gray_png(b, "x"); }},
+      {"gray_png", [] { return valid::gray_png16(malformed_folder()); },
+       [](const std::string& b) { decode_gray_png(b, "x"); }},
       {"jpeg", [] { return valid::jpeg_with_exif(); }, [](const std::string& b) { decode_image(b, "x"); }},
       {"webp", [] { return valid::webp(); }, [](const std::string& b) { decode_image(b, "x"); }},
       {"heic", [] { return valid::heic(); }, [](const std::string& b) { decode_image(b, "x"); }},

@@ -18,7 +18,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "npy_test"; }
+std::filesystem::path npy_folder() { return std::filesystem::path(testing::TempDir()) / "npy_test"; }
 
 /// A file as numpy.save writes it, without the padding.
 std::string npy(const std::string& descr, const std::string& shape, const std::string& data, bool fortran = false,
@@ -48,7 +48,7 @@ std::string bytes_of(std::vector<T> values, bool big_endian = false) {
   return out;
 }
 
-void expect_bad(const std::string& bytes, const std::string& field) {
+void expect_bad_npy(const std::string& bytes, const std::string& field) {
   try {
     decode_npy(bytes, "depth.npy");
     FAIL() << "accepted";
@@ -61,25 +61,25 @@ void expect_bad(const std::string& bytes, const std::string& field) {
 
 TEST(Npy, RoundTripsFloat32) {
   const std::vector<float> values = {1, -2.5f, INFINITY, 4, 5, std::numeric_limits<float>::denorm_min()};
-  write_npy_float32(folder() / "a.npy", {2, 3}, values.data());
-  const FloatArray array = read_npy(folder() / "a.npy");
+  write_npy_float32(npy_folder() / "a.npy", {2, 3}, values.data());
+  const FloatArray array = read_npy(npy_folder() / "a.npy");
   EXPECT_THAT(array.shape, ElementsAre(2, 3));
   EXPECT_EQ(array.data, values);
 }
 
 TEST(Npy, RoundTripsFloat16) {
   const std::vector<uint16_t> halves = {float_to_half(0.5f), float_to_half(-3)};
-  write_npy_float16(folder() / "h.npy", {2}, halves.data());
-  EXPECT_THAT(read_npy(folder() / "h.npy").data, ElementsAre(0.5f, -3.f));
-  EXPECT_EQ(read_npy_header(folder() / "h.npy").dtype, "<f2");
+  write_npy_float16(npy_folder() / "h.npy", {2}, halves.data());
+  EXPECT_THAT(read_npy(npy_folder() / "h.npy").data, ElementsAre(0.5f, -3.f));
+  EXPECT_EQ(read_npy_header(npy_folder() / "h.npy").dtype, "<f2");
 }
 
 TEST(Npy, DataStartOnAMultipleOf64) {
   const float value = 1;
   for (const std::vector<int64_t>& shape : {std::vector<int64_t>{}, {1}, {1, 1, 1, 1, 1, 1, 1, 1, 1}}) {
-    write_npy_float32(folder() / "aligned.npy", shape, &value);
-    EXPECT_EQ((std::filesystem::file_size(folder() / "aligned.npy") - sizeof(float)) % 64, 0u);
-    EXPECT_EQ(read_npy(folder() / "aligned.npy").shape, shape);
+    write_npy_float32(npy_folder() / "aligned.npy", shape, &value);
+    EXPECT_EQ((std::filesystem::file_size(npy_folder() / "aligned.npy") - sizeof(float)) % 64, 0u);
+    EXPECT_EQ(read_npy(npy_folder() / "aligned.npy").shape, shape);
   }
 }
 
@@ -110,13 +110,13 @@ TEST(Npy, ReadsVersionsTwoAndThree) {
   for (const int version : {2, 3}) {
     EXPECT_THAT(decode_npy(npy("<f4", "(1,)", bytes_of<float>({9}), false, version), "").data, ElementsAre(9));
   }
-  expect_bad(npy("<f4", "(1,)", bytes_of<float>({9}), false, 4), "version");
+  expect_bad_npy(npy("<f4", "(1,)", bytes_of<float>({9}), false, 4), "version");
 }
 
 TEST(Npy, ReadsALongHeaderFromAFile) {
   const std::string shape = "(" + std::string(10000, ' ') + "1,)";
-  write_file_atomically(folder() / "long.npy", npy("<f4", shape, bytes_of<float>({9}), false, 2));
-  EXPECT_THAT(read_npy_header(folder() / "long.npy").shape, ElementsAre(1));
+  write_file_atomically(npy_folder() / "long.npy", npy("<f4", shape, bytes_of<float>({9}), false, 2));
+  EXPECT_THAT(read_npy_header(npy_folder() / "long.npy").shape, ElementsAre(1));
 }
 
 TEST(Npy, ReadsScalarsAndEmptyArrays) {
@@ -125,24 +125,24 @@ TEST(Npy, ReadsScalarsAndEmptyArrays) {
 }
 
 TEST(Npy, RefusesWhatItCannotRead) {
-  expect_bad("not numpy at all", "magic");
-  expect_bad(npy("<c8", "(1,)", std::string(8, 'x')), "descr");
-  expect_bad(npy("|O", "(1,)", std::string(8, 'x')), "descr");
-  expect_bad(npy("<f4", "(1.5,)", std::string(4, 'x')), "header");
-  expect_bad(npy("<f4", "(-1,)", std::string(4, 'x')), "shape");
+  expect_bad_npy("not numpy at all", "magic");
+  expect_bad_npy(npy("<c8", "(1,)", std::string(8, 'x')), "descr");
+  expect_bad_npy(npy("|O", "(1,)", std::string(8, 'x')), "descr");
+  expect_bad_npy(npy("<f4", "(1.5,)", std::string(4, 'x')), "header");
+  expect_bad_npy(npy("<f4", "(-1,)", std::string(4, 'x')), "shape");
 }
 
 TEST(Npy, RefusesSizesThatDoNotMatchTheShape) {
-  expect_bad(npy("<f4", "(2,)", std::string(7, 'x')), "shape");
-  expect_bad(npy("<f4", "(2,)", std::string(9, 'x')), "shape");
-  expect_bad(npy("<f4", "(4611686018427387904, 4)", ""), "shape");
-  expect_bad(npy("<f4", "(0, 4611686018427387904, 4)", ""), "shape");
+  expect_bad_npy(npy("<f4", "(2,)", std::string(7, 'x')), "shape");
+  expect_bad_npy(npy("<f4", "(2,)", std::string(9, 'x')), "shape");
+  expect_bad_npy(npy("<f4", "(4611686018427387904, 4)", ""), "shape");
+  expect_bad_npy(npy("<f4", "(0, 4611686018427387904, 4)", ""), "shape");
 }
 
 TEST(Npy, HeaderOfATruncatedFileIsRefused) {
-  write_file_atomically(folder() / "short.npy", npy("<f4", "(2,)", std::string(7, 'x')));
-  EXPECT_THROW(read_npy_header(folder() / "short.npy"), Error);
-  EXPECT_THROW(read_npy_header(folder() / "absent.npy"), Error);
+  write_file_atomically(npy_folder() / "short.npy", npy("<f4", "(2,)", std::string(7, 'x')));
+  EXPECT_THROW(read_npy_header(npy_folder() / "short.npy"), Error);
+  EXPECT_THROW(read_npy_header(npy_folder() / "absent.npy"), Error);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ const std::vector<std::string> kAllowed = {"collections OrderedDict", "torch Siz
 
 Pickle parse(const std::string& bytes) { return Pickle(bytes, kAllowed, "x.pkl"); }
 
-void expect_bad(const std::string& bytes, const std::string& message) {
+void expect_bad_pickle(const std::string& bytes, const std::string& message) {
   try {
     parse(bytes);
     FAIL() << "accepted";
@@ -78,11 +78,11 @@ TEST(Pickle, AnAllowedCallIsKeptAsData) {
 }
 
 TEST(Pickle, OtherGlobalsAreRefusedByName) {
-  expect_bad(
+  expect_bad_pickle(
       "\x80\x02"
       "cos\nsystem\nX\x02\x00\x00\x00ls\x85R."s,
       "os.system");
-  expect_bad(
+  expect_bad_pickle(
       "\x80\x04\x8c\x08"
       "builtins\x8c\x04"
       "eval\x93\x8c\x01x\x85R."s,
@@ -90,21 +90,21 @@ TEST(Pickle, OtherGlobalsAreRefusedByName) {
 }
 
 TEST(Pickle, RefusesUnknownOperationsAndProtocols) {
-  expect_bad("\x80\x02NN\x81."s, "operation 129");  // NEWOBJ
-  expect_bad("\x80\x02i."s, "operation 105");       // INST
-  expect_bad("\x80\x06N."s, "protocol 6");
+  expect_bad_pickle("\x80\x02NN\x81."s, "operation 129");  // NEWOBJ
+  expect_bad_pickle("\x80\x02i."s, "operation 105");       // INST
+  expect_bad_pickle("\x80\x06N."s, "protocol 6");
 }
 
 TEST(Pickle, RefusesBrokenStacks) {
-  expect_bad("."s, "operand");
-  expect_bad("t."s, "mark");
-  expect_bad("N(."s, "operand");
-  expect_bad("N\x87."s, "operand");
-  expect_bad("h\x05."s, "memo entry 5");
-  expect_bad("NNa."s, "no list");
-  expect_bad("}(Nu."s, "without a value");
-  expect_bad("NNR."s, "no global");
-  expect_bad("NNb."s, "state");
+  expect_bad_pickle("."s, "operand");
+  expect_bad_pickle("t."s, "mark");
+  expect_bad_pickle("N(."s, "operand");
+  expect_bad_pickle("N\x87."s, "operand");
+  expect_bad_pickle("h\x05."s, "memo entry 5");
+  expect_bad_pickle("NNa."s, "no list");
+  expect_bad_pickle("}(Nu."s, "without a value");
+  expect_bad_pickle("NNR."s, "no global");
+  expect_bad_pickle("NNb."s, "state");
 }
 
 TEST(Pickle, RefusesTruncationAtEveryByte) {
@@ -117,8 +117,8 @@ TEST(Pickle, RefusesTruncationAtEveryByte) {
 }
 
 TEST(Pickle, ManyValuesAreRefusedAndCyclesAreHarmless) {
-  expect_bad(std::string(1'200'000, 'N') + ".", "values");
-  expect_bad(
+  expect_bad_pickle(std::string(1'200'000, 'N') + ".", "values");
+  expect_bad_pickle(
       "Nq\0"s +
           [] {
             std::string gets;

@@ -17,7 +17,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "ply_test"; }
+std::filesystem::path ply_folder() { return std::filesystem::path(testing::TempDir()) / "ply_test"; }
 
 /// A number in the byte order of a PLY format.
 template <class T>
@@ -28,7 +28,7 @@ std::string number(T value, bool big) {
   return bytes;
 }
 
-void expect_bad(const std::string& bytes) {
+void expect_bad_ply(const std::string& bytes) {
   try {
     decode_ply(bytes, "cloud.ply");
     FAIL() << "accepted";
@@ -110,8 +110,8 @@ TEST(Ply, RoundTripsWhatItWrites) {
   PlyElement face{"face", 2, {}};
   face.properties.push_back({"vertex_indices", PlyType::kInt32, true, {5, 6, 7}, {0, 3, 3}});
   file.elements = {vertex, face};
-  write_ply(folder() / "a.ply", file);
-  const PlyFile back = read_ply(folder() / "a.ply");
+  write_ply(ply_folder() / "a.ply", file);
+  const PlyFile back = read_ply(ply_folder() / "a.ply");
   EXPECT_EQ(back.comments, file.comments);
   for (size_t e = 0; e < 2; ++e) {
     for (size_t p = 0; p < file.elements[e].properties.size(); ++p) {
@@ -124,19 +124,19 @@ TEST(Ply, RoundTripsWhatItWrites) {
 TEST(Ply, WritesListsLongerThanAByteCounts) {
   PlyFile file;
   file.elements = {{"strip", 1, {{"indices", PlyType::kInt32, true, std::vector<double>(300, 1), {0, 300}}}}};
-  write_ply(folder() / "long.ply", file);
-  EXPECT_EQ(read_ply(folder() / "long.ply").elements[0].properties[0].values.size(), 300u);
+  write_ply(ply_folder() / "long.ply", file);
+  EXPECT_EQ(read_ply(ply_folder() / "long.ply").elements[0].properties[0].values.size(), 300u);
 }
 
 TEST(Ply, RefusesToWriteWhatDoesNotFit) {
   PlyFile file;
   file.elements = {{"v", 1, {{"a", PlyType::kUint8, false, {256}, {}}}}};
-  EXPECT_THROW(write_ply(folder() / "bad.ply", file), Error);
+  EXPECT_THROW(write_ply(ply_folder() / "bad.ply", file), Error);
   file.elements[0].properties[0].values = {NAN};
-  EXPECT_THROW(write_ply(folder() / "bad.ply", file), Error);
+  EXPECT_THROW(write_ply(ply_folder() / "bad.ply", file), Error);
   file.elements[0].properties[0].values = {1, 2};
-  EXPECT_THROW(write_ply(folder() / "bad.ply", file), Error);
-  EXPECT_FALSE(std::filesystem::exists(folder() / "bad.ply"));
+  EXPECT_THROW(write_ply(ply_folder() / "bad.ply", file), Error);
+  EXPECT_FALSE(std::filesystem::exists(ply_folder() / "bad.ply"));
 }
 
 TEST(Ply, AnElementWithoutRowsIsFine) {
@@ -146,39 +146,39 @@ TEST(Ply, AnElementWithoutRowsIsFine) {
 
 TEST(Ply, RefusesBadHeaders) {
   const std::string ascii = "ply\nformat ascii 1.0\n";
-  expect_bad("plywood");
-  expect_bad("ply\nelement v 1\nproperty int a\nend_header\n1\n");
-  expect_bad("ply\nformat ascii 2.0\nend_header\n");
-  expect_bad("ply\nformat text 1.0\nend_header\n");
-  expect_bad(ascii + "element v 1\nproperty int a\n");
-  expect_bad(ascii + "property int a\nend_header\n");
-  expect_bad(ascii + "element v -1\nproperty int a\nend_header\n");
-  expect_bad(ascii + "element v 1\nproperty quad a\nend_header\n1\n");
-  expect_bad(ascii + "element v 1\nproperty list float int a\nend_header\n1 1\n");
-  expect_bad(ascii + "element v 1\nproperty int a\nproperty int a\nend_header\n1 1\n");
-  expect_bad(ascii + "element v 1\nend_header\n1\n");
-  expect_bad(ascii + "elements v 1\nend_header\n1\n");
+  expect_bad_ply("plywood");
+  expect_bad_ply("ply\nelement v 1\nproperty int a\nend_header\n1\n");
+  expect_bad_ply("ply\nformat ascii 2.0\nend_header\n");
+  expect_bad_ply("ply\nformat text 1.0\nend_header\n");
+  expect_bad_ply(ascii + "element v 1\nproperty int a\n");
+  expect_bad_ply(ascii + "property int a\nend_header\n");
+  expect_bad_ply(ascii + "element v -1\nproperty int a\nend_header\n");
+  expect_bad_ply(ascii + "element v 1\nproperty quad a\nend_header\n1\n");
+  expect_bad_ply(ascii + "element v 1\nproperty list float int a\nend_header\n1 1\n");
+  expect_bad_ply(ascii + "element v 1\nproperty int a\nproperty int a\nend_header\n1 1\n");
+  expect_bad_ply(ascii + "element v 1\nend_header\n1\n");
+  expect_bad_ply(ascii + "elements v 1\nend_header\n1\n");
 }
 
 TEST(Ply, RefusesCountsThatTheFileCannotHold) {
   for (const std::string format : {"ascii", "binary_little_endian"}) {
     const std::string begin = "ply\nformat " + format + " 1.0\n";
-    expect_bad(begin + "element v 18446744073709551615\nproperty int a\nend_header\n12345678");
-    expect_bad(begin + "element v 100000000000\nproperty int a\nproperty list uchar int b\nend_header\n12345678");
+    expect_bad_ply(begin + "element v 18446744073709551615\nproperty int a\nend_header\n12345678");
+    expect_bad_ply(begin + "element v 100000000000\nproperty int a\nproperty list uchar int b\nend_header\n12345678");
   }
-  expect_bad("ply\nformat binary_little_endian 1.0\nelement v 1\nproperty list int int a\nend_header\n" +
-             number(int32_t(-1), false) + "12345678");
-  expect_bad("ply\nformat ascii 1.0\nelement v 1\nproperty list int int a\nend_header\n2000000000 1\n");
+  expect_bad_ply("ply\nformat binary_little_endian 1.0\nelement v 1\nproperty list int int a\nend_header\n" +
+                 number(int32_t(-1), false) + "12345678");
+  expect_bad_ply("ply\nformat ascii 1.0\nelement v 1\nproperty list int int a\nend_header\n2000000000 1\n");
 }
 
 TEST(Ply, RefusesTruncatedBodiesAndWrongValues) {
   const std::string ascii = "ply\nformat ascii 1.0\nelement v 2\nproperty uchar a\nend_header\n";
-  expect_bad(ascii + "1\n");
-  expect_bad(ascii + "1\n256\n");
-  expect_bad(ascii + "1\n1.5\n");
-  expect_bad(ascii + "1\nx\n");
-  expect_bad("ply\nformat binary_little_endian 1.0\nelement v 2\nproperty short a\nend_header\n123");
-  expect_bad(
+  expect_bad_ply(ascii + "1\n");
+  expect_bad_ply(ascii + "1\n256\n");
+  expect_bad_ply(ascii + "1\n1.5\n");
+  expect_bad_ply(ascii + "1\nx\n");
+  expect_bad_ply("ply\nformat binary_little_endian 1.0\nelement v 2\nproperty short a\nend_header\n123");
+  expect_bad_ply(
       "ply\nformat binary_little_endian 1.0\nelement v 1\nproperty list uchar short "
       "a\nend_header\n\x02"
       "123");

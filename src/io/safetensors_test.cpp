@@ -17,15 +17,15 @@ using testing::HasSubstr;
 using testing::Pair;
 namespace fs = std::filesystem;
 
-fs::path folder() { return fs::path(testing::TempDir()) / "safetensors_test"; }
+fs::path safetensors_folder() { return fs::path(testing::TempDir()) / "safetensors_test"; }
 
-std::string file_of(const std::string& header, const std::string& data) {
+std::string safetensors_of(const std::string& header, const std::string& data) {
   std::string bytes;
   append_little(bytes, uint64_t(header.size()));
   return bytes + header + data;
 }
 
-void expect_bad(const std::string& bytes, const std::string& message) {
+void expect_bad_safetensors(const std::string& bytes, const std::string& message) {
   try {
     decode_safetensors(bytes, "model.safetensors");
     FAIL() << "accepted";
@@ -43,8 +43,8 @@ TEST(Safetensors, RoundTrip) {
   file.tensors["empty"] = {"F16", {0, 4}, {}};
   file.tensors["\xc3\xa4"] = {"I64", {}, std::vector<uint8_t>(8, 0xff)};
   file.metadata["note"] = "made \"here\"";
-  write_safetensors(folder() / "a.safetensors", file);
-  const TensorFile back = read_safetensors(folder() / "a.safetensors");
+  write_safetensors(safetensors_folder() / "a.safetensors", file);
+  const TensorFile back = read_safetensors(safetensors_folder() / "a.safetensors");
   ASSERT_EQ(back.tensors.size(), 4u);
   for (const auto& [name, tensor] : file.tensors) {
     EXPECT_EQ(back.tensors.at(name).dtype, tensor.dtype);
@@ -59,8 +59,8 @@ TEST(Safetensors, DataAreAlignedForAnyReader) {
   TensorFile file;
   file.tensors["a"] = {"U8", {3}, {1, 2, 3}};
   file.tensors["b"] = tensor_of({1});
-  write_safetensors(folder() / "aligned.safetensors", file);
-  const std::string bytes = read_file(folder() / "aligned.safetensors");
+  write_safetensors(safetensors_folder() / "aligned.safetensors", file);
+  const std::string bytes = read_file(safetensors_folder() / "aligned.safetensors");
   EXPECT_EQ(load_number<uint64_t>(bytes.data(), false) % 8, 0u);
   const float one = 1;
   EXPECT_EQ(std::memcmp(bytes.data() + bytes.size() - 7, &one, 4), 0);  // the float comes first
@@ -69,9 +69,9 @@ TEST(Safetensors, DataAreAlignedForAnyReader) {
 TEST(Safetensors, EqualContentGivesEqualBytes) {
   TensorFile file;
   file.tensors["x"] = tensor_of({1, 2});
-  write_safetensors(folder() / "1.safetensors", file);
-  write_safetensors(folder() / "2.safetensors", file);
-  EXPECT_EQ(read_file(folder() / "1.safetensors"), read_file(folder() / "2.safetensors"));
+  write_safetensors(safetensors_folder() / "1.safetensors", file);
+  write_safetensors(safetensors_folder() / "2.safetensors", file);
+  EXPECT_EQ(read_file(safetensors_folder() / "1.safetensors"), read_file(safetensors_folder() / "2.safetensors"));
 }
 
 TEST(Safetensors, ConvertsEveryNumericTypeToFloat) {
@@ -93,48 +93,52 @@ TEST(Safetensors, ConvertsEveryNumericTypeToFloat) {
 }
 
 TEST(Safetensors, RefusesBadHeaders) {
-  expect_bad("", "ends too early");
-  expect_bad(file_of("{\"a\":", ""), "JSON");
-  expect_bad(file_of("[]", ""), "header");
-  expect_bad(file_of("{}", "x"), "belong to no tensor");
-  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[1]}})", "1234"), "dtype, shape");
-  expect_bad(file_of(R"({"a":{"dtype":"F99","shape":[1],"data_offsets":[0,4]}})", "1234"), "F99");
-  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[-1],"data_offsets":[0,4]}})", "1234"), "no size");
-  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[1.0],"data_offsets":[0,4]}})", "1234"), "no size");
-  expect_bad(file_of(R"({"__metadata__":{"x":1}})", ""), "not a string");
-  expect_bad(file_of(R"({"a":[[[[[[[[]]]]]]]]})", ""), "header");
-  expect_bad(file_of(R"({"a":{"dtype":"U8","shape":[1],"data_offsets":[0,1]},"a":{}})", "1"), "twice");
+  expect_bad_safetensors("", "ends too early");
+  expect_bad_safetensors(safetensors_of("{\"a\":", ""), "JSON");
+  expect_bad_safetensors(safetensors_of("[]", ""), "header");
+  expect_bad_safetensors(safetensors_of("{}", "x"), "belong to no tensor");
+  expect_bad_safetensors(safetensors_of(R"({"a":{"dtype":"F32","shape":[1]}})", "1234"), "dtype, shape");
+  expect_bad_safetensors(safetensors_of(R"({"a":{"dtype":"F99","shape":[1],"data_offsets":[0,4]}})", "1234"), "F99");
+  expect_bad_safetensors(safetensors_of(R"({"a":{"dtype":"F32","shape":[-1],"data_offsets":[0,4]}})", "1234"),
+                         "no size");
+  expect_bad_safetensors(safetensors_of(R"({"a":{"dtype":"F32","shape":[1.0],"data_offsets":[0,4]}})", "1234"),
+                         "no size");
+  expect_bad_safetensors(safetensors_of(R"({"__metadata__":{"x":1}})", ""), "not a string");
+  expect_bad_safetensors(safetensors_of(R"({"a":[[[[[[[[]]]]]]]]})", ""), "header");
+  expect_bad_safetensors(safetensors_of(R"({"a":{"dtype":"U8","shape":[1],"data_offsets":[0,1]},"a":{}})", "1"),
+                         "twice");
 }
 
 TEST(Safetensors, RefusesOffsetsThatDoNotTile) {
   const auto two = [](const std::string& first, const std::string& second) {
-    return file_of(R"({"a":{"dtype":"U8","shape":[2],"data_offsets":)" + first +
-                       R"(},"b":{"dtype":"U8","shape":[2],"data_offsets":)" + second + "}}",
-                   "1234");
+    return safetensors_of(R"({"a":{"dtype":"U8","shape":[2],"data_offsets":)" + first +
+                              R"(},"b":{"dtype":"U8","shape":[2],"data_offsets":)" + second + "}}",
+                          "1234");
   };
   EXPECT_NO_THROW(decode_safetensors(two("[2,4]", "[0,2]"), ""));
-  expect_bad(two("[0,2]", "[1,3]"), "overlap");
-  expect_bad(two("[0,2]", "[0,2]"), "overlap");
-  expect_bad(two("[0,2]", "[3,5]"), "beyond");
-  expect_bad(two("[2,0]", "[2,4]"), "beyond");
-  expect_bad(two("[0,3]", "[3,4]"), "does not fill");
+  expect_bad_safetensors(two("[0,2]", "[1,3]"), "overlap");
+  expect_bad_safetensors(two("[0,2]", "[0,2]"), "overlap");
+  expect_bad_safetensors(two("[0,2]", "[3,5]"), "beyond");
+  expect_bad_safetensors(two("[2,0]", "[2,4]"), "beyond");
+  expect_bad_safetensors(two("[0,3]", "[3,4]"), "does not fill");
 }
 
 TEST(Safetensors, RefusesHugeShapes) {
-  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})", ""), "too large");
+  expect_bad_safetensors(
+      safetensors_of(R"({"a":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})", ""), "too large");
   std::string bytes;
   append_little(bytes, uint64_t(1) << 62);
-  expect_bad(bytes, "100 MB");
+  expect_bad_safetensors(bytes, "100 MB");
 }
 
 TEST(Safetensors, RefusesToWriteWhatDoesNotFit) {
   TensorFile file;
   file.tensors["x"] = {"F32", {2}, {1, 2, 3}};
-  EXPECT_THROW(write_safetensors(folder() / "bad.safetensors", file), Error);
+  EXPECT_THROW(write_safetensors(safetensors_folder() / "bad.safetensors", file), Error);
   file.tensors["x"] = {"F32", {0}, {}};
   file.metadata["x"] = "\xff";
-  EXPECT_THROW(write_safetensors(folder() / "bad.safetensors", file), Error);
-  EXPECT_FALSE(fs::exists(folder() / "bad.safetensors"));
+  EXPECT_THROW(write_safetensors(safetensors_folder() / "bad.safetensors", file), Error);
+  EXPECT_FALSE(fs::exists(safetensors_folder() / "bad.safetensors"));
   EXPECT_THROW(tensor_of({1, 2, 3}, {2}), Error);
 }
 

@@ -16,9 +16,9 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-fs::path folder() { return fs::path(testing::TempDir()) / "toml_file_test"; }
+fs::path toml_folder() { return fs::path(testing::TempDir()) / "toml_file_test"; }
 
-void expect_bad(const std::string& text, const std::string& field, const std::string& message) {
+void expect_bad_toml(const std::string& text, const std::string& field, const std::string& message) {
   try {
     parse_toml(text, "config.toml");
     FAIL() << "accepted";
@@ -58,8 +58,8 @@ TEST(Toml, RoundTripsEveryKindOfValue) {
       {"a.key with space", 1.0},
       {"infinite", std::numeric_limits<double>::infinity()},
   };
-  write_toml(folder() / "a.toml", values);
-  const TomlTable back = read_toml(folder() / "a.toml");
+  write_toml(toml_folder() / "a.toml", values);
+  const TomlTable back = read_toml(toml_folder() / "a.toml");
   ASSERT_EQ(back.size(), values.size());
   for (const auto& [key, value] : values) EXPECT_EQ(back.at(key).value, value) << key;
 }
@@ -81,16 +81,16 @@ TEST(Toml, TopLevelKeysStandBeforeTheTables) {
 }
 
 TEST(Toml, SyntaxErrorsNameTheLine) {
-  expect_bad("a = 1\nb = = 2\n", "line 2", "");
-  expect_bad("a = 1\na = 2\n", "line 2", "");
-  expect_bad("a = \"\xff\"\n", "line 1", "");
+  expect_bad_toml("a = 1\nb = = 2\n", "line 2", "");
+  expect_bad_toml("a = 1\na = 2\n", "line 2", "");
+  expect_bad_toml("a = \"\xff\"\n", "line 1", "");
 }
 
 TEST(Toml, RefusesWhatAFlatTableCannotHold) {
-  expect_bad("a = 1979-05-27\n", "line 1, a", "dates");
-  expect_bad("x = 1\na = [1, \"b\"]\n", "line 2, a", "either numbers or strings");
-  expect_bad("[[a]]\nx = 1\n", "line 1, a", "numbers or strings");
-  expect_bad("\"a.b\" = 1\n", "line 1, a.b", "dot");
+  expect_bad_toml("a = 1979-05-27\n", "line 1, a", "dates");
+  expect_bad_toml("x = 1\na = [1, \"b\"]\n", "line 2, a", "either numbers or strings");
+  expect_bad_toml("[[a]]\nx = 1\n", "line 1, a", "numbers or strings");
+  expect_bad_toml("\"a.b\" = 1\n", "line 1, a.b", "dot");
 }
 
 TEST(Toml, ParsesSingleValues) {
@@ -102,9 +102,9 @@ TEST(Toml, ParsesSingleValues) {
 }
 
 TEST(Toml, RefusesToWriteWhatCannotBeReadBack) {
-  EXPECT_THROW(write_toml(folder() / "bad.toml", {{"a", std::string("\xff")}}), Error);
-  EXPECT_THROW(write_toml(folder() / "bad.toml", {{"a", int64_t(1)}, {"a.b", int64_t(1)}}), Error);
-  EXPECT_FALSE(fs::exists(folder() / "bad.toml"));
+  EXPECT_THROW(write_toml(toml_folder() / "bad.toml", {{"a", std::string("\xff")}}), Error);
+  EXPECT_THROW(write_toml(toml_folder() / "bad.toml", {{"a", int64_t(1)}, {"a.b", int64_t(1)}}), Error);
+  EXPECT_FALSE(fs::exists(toml_folder() / "bad.toml"));
 }
 
 }  // namespace

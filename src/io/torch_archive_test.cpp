@@ -17,9 +17,9 @@ using testing::HasSubstr;
 using namespace std::string_literals;
 namespace fs = std::filesystem;
 
-fs::path folder() { return fs::path(testing::TempDir()) / "torch_archive_test"; }
+fs::path tensor_folder() { return fs::path(testing::TempDir()) / "torch_archive_test"; }
 
-std::string text(const std::string& s) {
+std::string pickled_key(const std::string& s) {
   std::string out = "X";
   append_little(out, uint32_t(s.size()));
   return out + s;
@@ -43,8 +43,9 @@ struct TensorPickle {
   std::vector<int32_t> size = {2, 3}, stride = {3, 1};
 
   std::string str() const {
-    return "ctorch._utils\n_rebuild_tensor_v2\n((" + text("storage") + "ctorch\n" + storage + "\n" + text("0") +
-           text("cuda:0") + integer(storage_elements) + "tQ" + integer(offset) + tuple(size) + tuple(stride) +
+    return "ctorch._utils\n_rebuild_tensor_v2\n((" + pickled_key("storage") + "ctorch\n" + storage + "\n" +
+           pickled_key("0") + pickled_key("cuda:0") + integer(storage_elements) + "tQ" + integer(offset) + tuple(size) +
+           tuple(stride) +
            "\x89"
            "ccollections\nOrderedDict\n)RtR";
   }
@@ -62,11 +63,11 @@ std::string storage_of(const std::vector<T>& values, bool big_endian = false) {
 }
 const std::string kSix = storage_of<float>({1, 2, 3, 4, 5, 6});
 
-std::string archive(const std::string& pickle, const std::string& storage) {
+std::string tensor_archive(const std::string& pickle, const std::string& storage) {
   return make_stored_zip({{"t/data.pkl", "\x80\x02" + pickle + "."}, {"t/data/0", storage}, {"t/version", "3\n"}});
 }
 
-void expect_bad(const std::string& bytes, const std::string& message) {
+void expect_bad_tensor(const std::string& bytes, const std::string& message) {
   try {
     decode_torch_tensor(bytes, "logits.pt");
     FAIL() << "accepted";
@@ -79,17 +80,17 @@ void expect_bad(const std::string& bytes, const std::string& message) {
 
 TEST(TorchArchive, RoundTripsWhatItWrites) {
   const std::vector<float> values = {1, 2, 3, 4, 5, 6.5f};
-  write_torch_tensor(folder() / "a.pt", {2, 1, 3}, values.data());
-  const FloatArray array = read_torch_tensor(folder() / "a.pt");
+  write_torch_tensor(tensor_folder() / "a.pt", {2, 1, 3}, values.data());
+  const FloatArray array = read_torch_tensor(tensor_folder() / "a.pt");
   EXPECT_THAT(array.shape, ElementsAre(2, 1, 3));
   EXPECT_EQ(array.data, values);
-  EXPECT_EQ(read_torch_tensor_header(folder() / "a.pt").dtype, "float32");
-  EXPECT_THAT(read_torch_tensor_header(folder() / "a.pt").shape, ElementsAre(2, 1, 3));
+  EXPECT_EQ(read_torch_tensor_header(tensor_folder() / "a.pt").dtype, "float32");
+  EXPECT_THAT(read_torch_tensor_header(tensor_folder() / "a.pt").shape, ElementsAre(2, 1, 3));
 }
 
 TEST(TorchArchive, ReadsEveryStorageType) {
   const auto read = [](const std::string& type, const std::string& storage) {
-    return decode_torch_tensor(archive(TensorPickle{type, 2, 0, {2}, {1}}.str(), storage), "").data;
+    return decode_torch_tensor(tensor_archive(TensorPickle{type, 2, 0, {2}, {1}}.str(), storage), "").data;
   };
   EXPECT_THAT(read("HalfStorage", storage_of<uint16_t>({float_to_half(0.5f), float_to_half(-2)})),
               ElementsAre(0.5f, -2));
@@ -104,7 +105,9 @@ TEST(TorchArchive, ReadsEveryStorageType) {
 }
 
 TEST(TorchArchive, ReadsStridedViews) {
-  const auto read = [](TensorPickle pickle) { return decode_torch_tensor(archive(pickle.str(), kSix), "").data; };
+  const auto read = [](TensorPickle pickle) {
+    return decode_torch_tensor(tensor_archive(pickle.str(), kSix), "").data;
+  };
   EXPECT_THAT(read({"FloatStorage", 6, 0, {3, 2}, {1, 3}}), ElementsAre(1, 4, 2, 5, 3, 6));  // transposed
   EXPECT_THAT(read({"FloatStorage", 6, 1, {2, 2}, {3, 1}}), ElementsAre(2, 3, 5, 6));        // a slice
   EXPECT_THAT(read({"FloatStorage", 6, 2, {2, 2}, {0, 1}}), ElementsAre(3, 4, 3, 4));        // expanded
@@ -114,19 +117,20 @@ TEST(TorchArchive, ReadsStridedViews) {
 
 TEST(TorchArchive, FindsTheOneTensorOfADictOrList) {
   const std::string tensor = TensorPickle().str();
-  const std::string dict = "}" + text("note") + text("logits of a view") + "s" + text("logits") + tensor + "s";
-  EXPECT_EQ(decode_torch_tensor(archive(dict, kSix), "").data.size(), 6u);
-  EXPECT_EQ(decode_torch_tensor(archive("]" + tensor + "a", kSix), "").data.size(), 6u);
-  expect_bad(archive("]" + tensor + "a" + tensor + "a", kSix), "2 tensors");
-  expect_bad(archive("}", kSix), "0 tensors");
-  expect_bad(archive("N", kSix), "0 tensors");
+  const std::string dict =
+      "}" + pickled_key("note") + pickled_key("logits of a view") + "s" + pickled_key("logits") + tensor + "s";
+  EXPECT_EQ(decode_torch_tensor(tensor_archive(dict, kSix), "").data.size(), 6u);
+  EXPECT_EQ(decode_torch_tensor(tensor_archive("]" + tensor + "a", kSix), "").data.size(), 6u);
+  expect_bad_tensor(tensor_archive("]" + tensor + "a" + tensor + "a", kSix), "2 tensors");
+  expect_bad_tensor(tensor_archive("}", kSix), "0 tensors");
+  expect_bad_tensor(tensor_archive("N", kSix), "0 tensors");
 }
 
 TEST(TorchArchive, ReadsAParameter) {
   const std::string parameter = "ctorch._utils\n_rebuild_parameter\n(" + TensorPickle().str() +
                                 "\x88"
                                 "ccollections\nOrderedDict\n)RtR";
-  EXPECT_EQ(decode_torch_tensor(archive(parameter, kSix), "").data.size(), 6u);
+  EXPECT_EQ(decode_torch_tensor(tensor_archive(parameter, kSix), "").data.size(), 6u);
 }
 
 TEST(TorchArchive, HonoursTheByteOrderRecord) {
@@ -137,33 +141,37 @@ TEST(TorchArchive, HonoursTheByteOrderRecord) {
 }
 
 TEST(TorchArchive, RefusesViewsBeyondTheStorage) {
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 1, {2, 3}, {3, 1}}.str(), kSix), "beyond the storage");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {4, 1}}.str(), kSix), "beyond the storage");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 6, {1}, {1}}.str(), kSix), "beyond the storage");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {-3, 1}}.str(), kSix), "whole number");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, -1, {1}, {1}}.str(), kSix), "whole number");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {-2}, {1}}.str(), kSix), "whole number");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {1}}.str(), kSix), "different lengths");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 1, {2, 3}, {3, 1}}.str(), kSix),
+                    "beyond the storage");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {4, 1}}.str(), kSix),
+                    "beyond the storage");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 6, {1}, {1}}.str(), kSix), "beyond the storage");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {-3, 1}}.str(), kSix), "whole number");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, -1, {1}, {1}}.str(), kSix), "whole number");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 0, {-2}, {1}}.str(), kSix), "whole number");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {1}}.str(), kSix), "different lengths");
 }
 
 TEST(TorchArchive, RefusesHugeViewsOfSmallStorages) {
   constexpr int32_t kLarge = 2'000'000'000;
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {kLarge}, {0}}.str(), kSix), "repeats");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {kLarge, kLarge, kLarge}, {0, 0, 0}}.str(), kSix), "too large");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 0, {kLarge}, {0}}.str(), kSix), "repeats");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 6, 0, {kLarge, kLarge, kLarge}, {0, 0, 0}}.str(), kSix),
+                    "too large");
 }
 
 TEST(TorchArchive, RefusesStoragesOfTheWrongSizeOrType) {
-  expect_bad(archive(TensorPickle{"FloatStorage", 7, 0, {2, 3}, {3, 1}}.str(), kSix), "28 are needed");
-  expect_bad(archive(TensorPickle{"DoubleStorage", 6, 0, {2, 3}, {3, 1}}.str(), kSix), "48 are needed");
-  expect_bad(archive(TensorPickle{"QInt8Storage", 6, 0, {2, 3}, {3, 1}}.str(), kSix), "torch.QInt8Storage");
-  expect_bad(make_stored_zip({{"t/data.pkl", "\x80\x02" + TensorPickle().str() + "."}}), "missing");
+  expect_bad_tensor(tensor_archive(TensorPickle{"FloatStorage", 7, 0, {2, 3}, {3, 1}}.str(), kSix), "28 are needed");
+  expect_bad_tensor(tensor_archive(TensorPickle{"DoubleStorage", 6, 0, {2, 3}, {3, 1}}.str(), kSix), "48 are needed");
+  expect_bad_tensor(tensor_archive(TensorPickle{"QInt8Storage", 6, 0, {2, 3}, {3, 1}}.str(), kSix),
+                    "torch.QInt8Storage");
+  expect_bad_tensor(make_stored_zip({{"t/data.pkl", "\x80\x02" + TensorPickle().str() + "."}}), "missing");
 }
 
 TEST(TorchArchive, RefusesWhatTorchDidNotWrite) {
-  expect_bad("no archive", "not a ZIP");
-  expect_bad(make_stored_zip({{"t/data/0", kSix}}), "data.pkl");
-  expect_bad("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19."s, "too early");
-  expect_bad(archive("cposix\nsystem\n" + text("ls") + "\x85R", kSix), "posix.system");
+  expect_bad_tensor("no archive", "not a ZIP");
+  expect_bad_tensor(make_stored_zip({{"t/data/0", kSix}}), "data.pkl");
+  expect_bad_tensor("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19."s, "too early");
+  expect_bad_tensor(tensor_archive("cposix\nsystem\n" + pickled_key("ls") + "\x85R", kSix), "posix.system");
 }
 
 TEST(TorchArchive, RefusesTheStoredBadFiles) {

@@ -66,7 +66,7 @@ std::string as_zip64(const std::string& zip) {
   return out + "PK\x05\x06" + std::string(4, '\0') + std::string(12, '\xff') + std::string(2, '\0');
 }
 
-void expect_bad(const std::string& bytes, const std::string& message) {
+void expect_bad_zip(const std::string& bytes, const std::string& message) {
   try {
     const ZipArchive archive = open(bytes);
     for (const ZipEntry& entry : archive.entries()) archive.read(entry);
@@ -110,18 +110,18 @@ TEST(ZipArchive, FindsTheEndBehindAComment) {
 
 TEST(ZipArchive, RefusesDamage) {
   const std::string good = make_stored_zip({{"a", "content"}});
-  expect_bad("", "not a ZIP");
-  expect_bad(good.substr(0, good.size() - 1), "not a ZIP");
+  expect_bad_zip("", "not a ZIP");
+  expect_bad_zip(good.substr(0, good.size() - 1), "not a ZIP");
   std::string bytes = good;
   bytes[bytes.find("content")] ^= 1;
-  expect_bad(bytes, "checksum");
+  expect_bad_zip(bytes, "checksum");
   bytes = good;
   bytes[0] = 'X';
-  expect_bad(bytes, "not where the directory says");
+  expect_bad_zip(bytes, "not where the directory says");
   bytes = deflated_zip(std::string(1000, 'a'));
   bytes[33] ^= 0x40;
-  expect_bad(bytes, "");
-  expect_bad(make_stored_zip({{"a", "1"}, {"a", "2"}}), "twice");
+  expect_bad_zip(bytes, "");
+  expect_bad_zip(make_stored_zip({{"a", "1"}, {"a", "2"}}), "twice");
 }
 
 TEST(ZipArchive, RefusesContradictingOrHugeSizesBeforeAllocating) {
@@ -129,13 +129,13 @@ TEST(ZipArchive, RefusesContradictingOrHugeSizesBeforeAllocating) {
   const size_t directory = good.find("PK\x01\x02");
   std::string bytes = good;
   patch(bytes, directory + 20, std::string(8, '\xfe'));  // both sizes, far beyond the file
-  expect_bad(bytes, "needed");
+  expect_bad_zip(bytes, "needed");
   bytes = deflated_zip("content");
   patch(bytes, bytes.find("PK\x01\x02") + 24, little(uint32_t(4000000000u)));
-  expect_bad(bytes, "contradict");
+  expect_bad_zip(bytes, "contradict");
   bytes = good;
   patch(bytes, good.size() - 22 + 10, little(uint16_t(65000)));  // number of entries
-  expect_bad(bytes, "number of entries");
+  expect_bad_zip(bytes, "number of entries");
 }
 
 TEST(ZipArchive, RefusesWhatItDoesNotKnow) {
@@ -143,10 +143,10 @@ TEST(ZipArchive, RefusesWhatItDoesNotKnow) {
   const size_t directory = good.find("PK\x01\x02");
   std::string bytes = good;
   patch(bytes, directory + 8, little(uint16_t(1)));
-  expect_bad(bytes, "encrypted");
+  expect_bad_zip(bytes, "encrypted");
   bytes = good;
   patch(bytes, directory + 10, little(uint16_t(12)));
-  expect_bad(bytes, "compression method 12");
+  expect_bad_zip(bytes, "compression method 12");
 }
 
 TEST(ZipArchive, KeepsTheCallersLimit) {

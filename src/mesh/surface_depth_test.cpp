@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-constexpr Vec3d kHalf{2, 1.3, 2.5};  // of the room, metres; y points down
+constexpr Vec3d kHalfRoom{2, 1.3, 2.5};  // of the room, metres; y points down
 constexpr uint16_t kWall = 0, kFloor = 1, kCeiling = 2, kChest = 3;
 
 LabelSet labels() {
@@ -22,7 +22,7 @@ LabelSet labels() {
 
 /// Twelve views of the room, with labels and normals; depth has noise of 1 %.
 std::vector<FusionFrame> noisy_room(std::vector<ImageF>& truth) {
-  std::vector<FusionFrame> frames = test::room_views(kHalf, 12);
+  std::vector<FusionFrame> frames = test::room_views(kHalfRoom, 12);
   Random random(3);
   for (FusionFrame& frame : frames) {
     truth.push_back(frame.depth);
@@ -32,8 +32,8 @@ std::vector<FusionFrame> noisy_room(std::vector<ImageF>& truth) {
     for (int y = 0; y < frame.camera.height; ++y) {
       for (int x = 0; x < frame.camera.width; ++x) {
         const Vec3d p = to_world * (frame.camera.ray(x + 0.5, y + 0.5) * double(frame.depth.at(x, y)));
-        if (p.y > kHalf.y - 1e-3) frame.label.at(x, y) = kFloor;
-        if (p.y < -kHalf.y + 1e-3) frame.label.at(x, y) = kCeiling;
+        if (p.y > kHalfRoom.y - 1e-3) frame.label.at(x, y) = kFloor;
+        if (p.y < -kHalfRoom.y + 1e-3) frame.label.at(x, y) = kCeiling;
         frame.depth.at(x, y) *= static_cast<float>(std::exp(0.01 * random.normal()));
       }
     }

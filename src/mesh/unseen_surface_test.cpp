@@ -17,7 +17,7 @@ Camera forward_camera() {
 }
 
 /// A square across the z axis, 2 * half wide.
-void add_square(TriangleMesh& mesh, float z, float half) {
+void add_square_at(TriangleMesh& mesh, float z, float half) {
   const uint32_t first = static_cast<uint32_t>(mesh.vertices.size());
   for (const auto& [x, y] : {std::pair{-half, -half}, {half, -half}, {half, half}, {-half, half}})
     mesh.vertices.push_back({x, y, z});
@@ -36,15 +36,15 @@ class UnseenSurface : public testing::Test {
 };
 
 TEST_F(UnseenSurface, WhatAnotherSurfaceHidesGoes) {
-  add_square(mesh_, 1, 0.5f);
-  add_square(mesh_, 1.2f, 0.3f);
+  add_square_at(mesh_, 1, 0.5f);
+  add_square_at(mesh_, 1.2f, 0.3f);
   EXPECT_EQ(remove({forward_camera()}), 2u);
   EXPECT_THAT(mesh_.labels, testing::Each(0));
 }
 
 TEST_F(UnseenSurface, WhatASecondCameraSeesStays) {
-  add_square(mesh_, 1, 0.5f);
-  add_square(mesh_, 1.2f, 0.3f);
+  add_square_at(mesh_, 1, 0.5f);
+  add_square_at(mesh_, 1.2f, 0.3f);
   Camera behind = forward_camera();
   behind.world_to_camera.rotation = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
   behind.world_to_camera.translation = {0, 0, 3};
@@ -52,19 +52,19 @@ TEST_F(UnseenSurface, WhatASecondCameraSeesStays) {
 }
 
 TEST_F(UnseenSurface, TheOtherSideOfAThinThingStays) {
-  add_square(mesh_, 1, 0.5f);
-  add_square(mesh_, 1.02f, 0.3f);
+  add_square_at(mesh_, 1, 0.5f);
+  add_square_at(mesh_, 1.02f, 0.3f);
   EXPECT_EQ(remove({forward_camera()}), 0u);
 }
 
 TEST_F(UnseenSurface, WhatLiesOutsideOfAllImagesGoes) {
-  add_square(mesh_, 1, 0.5f);
-  add_square(mesh_, -1, 0.5f);
+  add_square_at(mesh_, 1, 0.5f);
+  add_square_at(mesh_, -1, 0.5f);
   EXPECT_EQ(remove({forward_camera()}), 2u);
 }
 
 TEST_F(UnseenSurface, WithoutCamerasNothingGoes) {
-  add_square(mesh_, 1, 0.5f);
+  add_square_at(mesh_, 1, 0.5f);
   EXPECT_EQ(remove({}), 0u);
 }
 

@@ -16,7 +16,8 @@ constexpr float kDistance = 2;  // metres from the cameras
 
 /// A wall of 2 x 2 m before the cameras, `kCells` x `kCells` squares of two triangles. `depth(x, y)` is in metres.
 /// Cells that `missing(i, j)` names are left out.
-TriangleMesh wall(const std::function<float(float, float)>& depth, const std::function<bool(int, int)>& missing = {}) {
+TriangleMesh relief(const std::function<float(float, float)>& depth,
+                    const std::function<bool(int, int)>& missing = {}) {
   TriangleMesh mesh;
   for (int j = 0; j <= kCells; ++j) {
     for (int i = 0; i <= kCells; ++i) {
@@ -72,7 +73,7 @@ class SurfaceQualityTest : public testing::Test {
 };
 
 TEST_F(SurfaceQualityTest, TheTruthItselfIsPerfect) {
-  const TriangleMesh truth = wall(flat);
+  const TriangleMesh truth = relief(flat);
   const SurfaceQuality q = measure(truth, truth);
   EXPECT_GT(q.normals, 5000u);
   EXPECT_GT(q.edges, 1000u);
@@ -85,7 +86,7 @@ TEST_F(SurfaceQualityTest, TheTruthItselfIsPerfect) {
 TEST_F(SurfaceQualityTest, ATiltIsTheNormalErrorOfEveryFace) {
   const double degrees = 1;
   const float slope = static_cast<float>(std::tan(degrees * std::acos(-1.0) / 180));
-  const SurfaceQuality q = measure(wall([&](float x, float) { return kDistance + slope * x; }), wall(flat));
+  const SurfaceQuality q = measure(relief([&](float x, float) { return kDistance + slope * x; }), relief(flat));
   EXPECT_NEAR(q.normal_error.mean, degrees, 0.01);
   EXPECT_NEAR(q.normal_error.median, degrees, 0.01);
   EXPECT_NEAR(q.roughness.mean, 0, 0.01) << "a tilted plane is smooth";
@@ -94,7 +95,7 @@ TEST_F(SurfaceQualityTest, ATiltIsTheNormalErrorOfEveryFace) {
 TEST_F(SurfaceQualityTest, FoldsAreRoughnessAndHalfOfThemNormalError) {
   // Faces tilt by +-a, neighbours across a ridge or groove differ by 2 a.
   const double a = std::atan(double(kFold)) * 180 / std::acos(-1.0);
-  const SurfaceQuality q = measure(wall(folds), wall(flat));
+  const SurfaceQuality q = measure(relief(folds), relief(flat));
   EXPECT_NEAR(q.normal_error.median, a, 0.05);
   // The edges along the ridges (length c) fold by 2 a. Those across them (c / cos a) and the diagonals are in a face's
   // plane.
@@ -104,22 +105,22 @@ TEST_F(SurfaceQualityTest, FoldsAreRoughnessAndHalfOfThemNormalError) {
 
 TEST_F(SurfaceQualityTest, PinholesAreTheShareOfTheWallThatIsMissing) {
   // One cell in each 10 x 10 is open: 1 %.
-  const SurfaceQuality q = measure(wall(flat, [](int i, int j) { return i % 10 == 5 && j % 10 == 5; }), wall(flat));
+  const SurfaceQuality q = measure(relief(flat, [](int i, int j) { return i % 10 == 5 && j % 10 == 5; }), relief(flat));
   EXPECT_NEAR(q.pinholes, 0.01, 0.003);
 }
 
 TEST_F(SurfaceQualityTest, AWallThatIsShiftedBySevenCentimetresIsPassedThrough) {
-  EXPECT_NEAR(measure(wall([](float, float) { return kDistance + 0.07f; }), wall(flat)).pinholes, 1, 0.05);
+  EXPECT_NEAR(measure(relief([](float, float) { return kDistance + 0.07f; }), relief(flat)).pinholes, 1, 0.05);
   // seen past the true wall's edges nothing is missing
-  TriangleMesh wider = wall([](float, float) { return kDistance + 0.03f; });
+  TriangleMesh wider = relief([](float, float) { return kDistance + 0.03f; });
   for (Vec3f& v : wider.vertices) v = {1.1f * v.x, 1.1f * v.y, v.z};
-  EXPECT_EQ(measure(wider, wall(flat)).pinholes, 0);
+  EXPECT_EQ(measure(wider, relief(flat)).pinholes, 0);
 }
 
 TEST_F(SurfaceQualityTest, AContourThatIsAPixelOffIsNoHole) {
   // A board is 40 cm before the wall; the predicted one is 5 mm (0.75 pixels) narrower.
   const auto with_board = [](float half) {
-    TriangleMesh mesh = wall(flat);
+    TriangleMesh mesh = relief(flat);
     const auto first = static_cast<uint32_t>(mesh.vertices.size());
     for (const auto& [x, y] : {std::pair{-half, -half}, {half, -half}, {-half, half}, {half, half}})
       mesh.vertices.push_back({x, y, kDistance - 0.4f});
@@ -132,27 +133,27 @@ TEST_F(SurfaceQualityTest, AContourThatIsAPixelOffIsNoHole) {
 }
 
 TEST_F(SurfaceQualityTest, StructureIsWhatTheTruthCallsSo) {
-  TriangleMesh truth = wall(flat);
+  TriangleMesh truth = relief(flat);
   for (const Vec3f& v : truth.vertices) truth.labels.push_back(v.x < 0 ? 1 : 0);
-  const SurfaceQuality q = measure(wall([](float x, float) { return x < 0 ? kDistance : kDistance + 0.02f * x; },
-                                        [](int i, int j) { return i > 30 && j > 30; }),
+  const SurfaceQuality q = measure(relief([](float x, float) { return x < 0 ? kDistance : kDistance + 0.02f * x; },
+                                          [](int i, int j) { return i > 30 && j > 30; }),
                                    truth);
   EXPECT_NEAR(q.structure_normal_error.median, 0, 0.01);
   EXPECT_GT(q.normal_error.mean, 0.3);
   EXPECT_EQ(q.structure_pinholes, 0);
   EXPECT_GT(q.pinholes, 0.03);
-  EXPECT_TRUE(std::isnan(measure(truth, wall(flat)).structure_normal_error.mean)) << "a truth without labels";
+  EXPECT_TRUE(std::isnan(measure(truth, relief(flat)).structure_normal_error.mean)) << "a truth without labels";
 }
 
 TEST_F(SurfaceQualityTest, NothingPredictedIsAllHoleAndHasNoAngles) {
-  const SurfaceQuality q = measure(TriangleMesh(), wall(flat));
+  const SurfaceQuality q = measure(TriangleMesh(), relief(flat));
   EXPECT_EQ(q.pinholes, 1);
   EXPECT_TRUE(std::isnan(q.normal_error.mean));
   EXPECT_TRUE(std::isnan(q.roughness.median));
 }
 
 TEST_F(SurfaceQualityTest, FoldedTruthIsNotPlanarAndCountsForNoRoughness) {
-  EXPECT_TRUE(std::isnan(measure(wall(folds), wall(folds)).roughness.mean));
+  EXPECT_TRUE(std::isnan(measure(relief(folds), relief(folds)).roughness.mean));
 }
 
 TEST(NearestSurfacePoint, IsTheFootInsideAnEdgeBesideAndNothingBeyondReach) {

@@ -14,12 +14,12 @@ constexpr int64_t kWidth = 28, kHeight = 14;
 constexpr double kFocal = 450;  // pixels; metres are depth * 450 / 300
 
 /// A slanted floor at 1 to 3 units, and what the metric network says of it at `metres` per unit.
-struct Photo {
+struct MeasuredPhoto {
   nn::Da3Frame frame;
   nn::FeatureMap metric{kHeight, kWidth, 2};
 };
-Photo photo_of(double metres, double noise = 0, uint64_t seed = 1) {
-  Photo p;
+MeasuredPhoto photo_of(double metres, double noise = 0, uint64_t seed = 1) {
+  MeasuredPhoto p;
   p.frame.camera.fx = p.frame.camera.fy = kFocal;
   p.frame.depth = nn::FeatureMap(kHeight, kWidth, 2);
   Random random(seed);
@@ -34,12 +34,12 @@ Photo photo_of(double metres, double noise = 0, uint64_t seed = 1) {
 }
 
 TEST(MetresEstimate, APhotoTellsItsScaleThroughTheFocalLength) {
-  const Photo p = photo_of(2.5);
+  const MeasuredPhoto p = photo_of(2.5);
   EXPECT_NEAR(*log_metres_of_photo(p.frame, p.metric), std::log(2.5), 1e-5);
 }
 
 TEST(MetresEstimate, SkyAndUnsurePixelsDoNotCount) {
-  Photo p = photo_of(2.5);
+  MeasuredPhoto p = photo_of(2.5);
   for (int64_t i = 0; i < kWidth * kHeight / 4; ++i) {
     p.metric.data[size_t(2 * i)] = 500;  // sky, a hundred metres off
     p.metric.data[size_t(2 * i + 1)] = 1;
@@ -50,12 +50,12 @@ TEST(MetresEstimate, SkyAndUnsurePixelsDoNotCount) {
 }
 
 TEST(MetresEstimate, NoiseOfTenPercentAveragesOut) {
-  const Photo p = photo_of(0.4, 0.1);
+  const MeasuredPhoto p = photo_of(0.4, 0.1);
   EXPECT_NEAR(*log_metres_of_photo(p.frame, p.metric), std::log(0.4), 0.02);
 }
 
 TEST(MetresEstimate, PhotosThatTellNothingHaveNoScale) {
-  Photo sky = photo_of(1), broken = photo_of(1), other = photo_of(1);
+  MeasuredPhoto sky = photo_of(1), broken = photo_of(1), other = photo_of(1);
   for (int64_t i = 0; i < kWidth * kHeight; ++i) {
     sky.metric.data[size_t(2 * i + 1)] = 1;
     broken.frame.depth.data[size_t(2 * i)] = std::numeric_limits<float>::quiet_NaN();

@@ -10,7 +10,7 @@ namespace {
 
 using namespace wall_photos;
 
-constexpr uint16_t kWallLabel = 0, kCurtainLabel = 1, kDoorLabel = 2;
+constexpr uint16_t kPaintedWall = 0, kCurtainLabel = 1, kDoorLabel = 2;
 constexpr int kX = 80, kY = 60;  // a pixel of the first photo whose place the others show as well
 
 struct Photos {
@@ -21,7 +21,7 @@ struct Photos {
     for (int i = 0; i < count; ++i) {
       const MatchView exact = photo(true_camera(i)).match;
       Image<uint16_t> labels(kWidth, kHeight, 1);
-      labels.data.assign(labels.data.size(), kWallLabel);
+      labels.data.assign(labels.data.size(), kPaintedWall);
       views.push_back({exact.camera, exact.depth, {}, std::move(labels), {}});
     }
   }
@@ -35,7 +35,7 @@ TEST(FusedLabels, APlaceIsCalledWhatMostPhotosCallIt) {
   Photos photos(4);
   photos.call_all_of(0, kCurtainLabel);
   const FusedLabels fused = photos.first();
-  EXPECT_EQ(fused.labels.at(kX, kY), kWallLabel);
+  EXPECT_EQ(fused.labels.at(kX, kY), kPaintedWall);
   EXPECT_FLOAT_EQ(fused.share.at(kX, kY), 0.75f);
 }
 
@@ -50,7 +50,7 @@ TEST(FusedLabels, TheSmallestClassWinsATieOfOthers) {
   photos.call_all_of(0, kCurtainLabel);
   photos.call_all_of(1, kDoorLabel);
   photos.call_all_of(2, kDoorLabel);
-  EXPECT_EQ(photos.first().labels.at(kX, kY), kWallLabel);
+  EXPECT_EQ(photos.first().labels.at(kX, kY), kPaintedWall);
 }
 
 TEST(FusedLabels, WhatStandsInFrontHasNoVote) {

@@ -13,8 +13,8 @@ namespace {
 
 using namespace wall_photos;
 
-constexpr uint16_t kWallLabel = 0, kFloorLabel = 1, kOtherLabel = 2;
-const FlatClasses kClasses = {{{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {}}, {}};
+constexpr uint16_t kCornerWall = 0, kFloorLabel = 1, kOtherLabel = 2;
+const FlatClasses kCornerClasses = {{{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {}}, {}};
 
 /// Photos of the corner of which stereo measured one column in three; in between the depth is a fifth too large.
 struct HalfMeasured {
@@ -35,7 +35,7 @@ struct HalfMeasured {
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
           const Vec3d world = view.camera.unproject(x + 0.5, y + 0.5, static_cast<double>(view.depth.at(x, y)));
-          label.at(x, y) = world.y > 0.79 ? kFloorLabel : kWallLabel;
+          label.at(x, y) = world.y > 0.79 ? kFloorLabel : kCornerWall;
           const bool measured = x / 20 % 3 == 0;
           depth.certainty.at(x, y) = measured ? 1.0f : 0.0f;
           if (!measured) depth.depth.at(x, y) *= 1.2f;
@@ -48,7 +48,7 @@ struct HalfMeasured {
     }
   }
 
-  LabelledDepthReport lay(const FlatClasses& classes = kClasses) {
+  LabelledDepthReport lay(const FlatClasses& classes = kCornerClasses) {
     return lay_on_planes(views, labels, classes, {}, pool, depths);
   }
 

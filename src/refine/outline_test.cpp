@@ -87,10 +87,10 @@ TEST(Outline, APlaneSeenFromBehindOrMissedByTheOtherPhotoSaysNothing) {
 
 TEST(Outline, AFlatPhotoAndTheBorderHaveNone) {
   const TwoPhotos photos;
-  const ImageF flat = luma_gradient(ImageF(kWidth, kHeight, 1, 0.5f));
+  const ImageF flat = luma_gradient(ImageF(kPhotoWidth, kPhotoHeight, 1, 0.5f));
   EXPECT_TRUE(outline_of(grown(photos.first.view.labels, 0), flat, {}).empty());
-  EXPECT_TRUE(outline_of(Image<uint8_t>(kWidth, kHeight, 1, 1), photos.gradient, {}).empty());
-  EXPECT_TRUE(outline_of(Image<uint8_t>(kWidth, kHeight, 1, 0), photos.gradient, {}).empty());
+  EXPECT_TRUE(outline_of(Image<uint8_t>(kPhotoWidth, kPhotoHeight, 1, 1), photos.gradient, {}).empty());
+  EXPECT_TRUE(outline_of(Image<uint8_t>(kPhotoWidth, kPhotoHeight, 1, 0), photos.gradient, {}).empty());
 }
 
 TEST(Outline, TheGradientOfARampIsItsSlope) {

@@ -8,10 +8,10 @@
 namespace aligngs {
 namespace {
 
-constexpr int kWidth = 120, kHeight = 90;
+constexpr int kPanelWidth = 120, kPanelHeight = 90;
 constexpr uint16_t kWall = 0, kPane = 1;
 constexpr double kWallDepth = 3, kPaneDepth = 3.1, kBehind = 3.9;  // metres; what a network sees of the garden
-const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kInWall};
+const std::vector<PanelClass> kPanelClasses = {PanelClass::kNone, PanelClass::kInWall};
 
 ScenePlane wall() {
   ScenePlane p;
@@ -30,21 +30,21 @@ struct WindowPhotos {
   explicit WindowPhotos(int count = 3) {
     for (int i = 0; i < count; ++i) {
       PlaneView view;
-      view.camera.width = kWidth;
-      view.camera.height = kHeight;
+      view.camera.width = kPanelWidth;
+      view.camera.height = kPanelHeight;
       view.camera.fx = view.camera.fy = 100;
-      view.camera.cx = kWidth / 2.0;
-      view.camera.cy = kHeight / 2.0;
+      view.camera.cx = kPanelWidth / 2.0;
+      view.camera.cy = kPanelHeight / 2.0;
       view.camera.world_to_camera.translation = {-0.1 * i, 0, 0};
-      view.depth = ImageF(kWidth, kHeight, 1);
-      view.certainty = ImageF(kWidth, kHeight, 1);
-      view.labels = Image<uint16_t>(kWidth, kHeight, 1);
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) paint(view, x, y);
+      view.depth = ImageF(kPanelWidth, kPanelHeight, 1);
+      view.certainty = ImageF(kPanelWidth, kPanelHeight, 1);
+      view.labels = Image<uint16_t>(kPanelWidth, kPanelHeight, 1);
+      for (int y = 0; y < kPanelHeight; ++y) {
+        for (int x = 0; x < kPanelWidth; ++x) paint(view, x, y);
       }
       views.push_back(std::move(view));
-      measurements.push_back(
-          {ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)});
+      measurements.push_back({ImageF(kPanelWidth, kPanelHeight, 1), ImageF(kPanelWidth, kPanelHeight, 1),
+                              Image<uint8_t>(kPanelWidth, kPanelHeight, 1)});
     }
   }
 
@@ -57,8 +57,8 @@ struct WindowPhotos {
     view.certainty.at(x, y) = glass ? 0.0f : 0.6f;
   }
 
-  std::vector<Panel> find() const { return find_panels(views, kClasses, {wall()}, {}); }
-  void measure() { measure_on_panels(find(), {wall()}, views, kClasses, {}, pool, measurements); }
+  std::vector<Panel> find() const { return find_panels(views, kPanelClasses, {wall()}, {}); }
+  void measure() { measure_on_panels(find(), {wall()}, views, kPanelClasses, {}, pool, measurements); }
 };
 
 TEST(PanelDepth, GlassLiesInThePlaneOfItsFrame) {
@@ -66,7 +66,7 @@ TEST(PanelDepth, GlassLiesInThePlaneOfItsFrame) {
   photos.measure();
   for (size_t v = 0; v < photos.views.size(); ++v) {
     const PlaneMeasurement& m = photos.measurements[v];
-    const int x = kWidth / 2, y = kHeight / 2;
+    const int x = kPanelWidth / 2, y = kPanelHeight / 2;
     EXPECT_GT(m.weight.at(x, y), 0);
     EXPECT_NEAR(photos.views[v].depth.at(x, y) * std::exp(m.log_factor.at(x, y)), kPaneDepth, 0.01);
   }
@@ -81,7 +81,7 @@ TEST(PanelDepth, TheWallAroundItIsNotTouched) {
 
 TEST(PanelDepth, WhatIsMeasuredBeforeThePaneKeepsItsDepth) {
   WindowPhotos photos;
-  const int x = kWidth / 2, y = kHeight / 2;
+  const int x = kPanelWidth / 2, y = kPanelHeight / 2;
   photos.views[0].depth.at(x, y) = 2.5f;  // a lamp that the teacher takes for the pane
   photos.views[0].certainty.at(x, y) = 0.8f;
   photos.measure();
@@ -104,7 +104,7 @@ TEST(PanelDepth, CurtainsThatTheTeacherCallsAPaneAreNone) {
 
 TEST(PanelDepth, APhotoThatMeasuredNothingTakesThePaneOfTheOthers) {
   WindowPhotos photos(4);
-  photos.views[3].certainty = ImageF(kWidth, kHeight, 1);
+  photos.views[3].certainty = ImageF(kPanelWidth, kPanelHeight, 1);
   photos.measure();
   EXPECT_NEAR(photos.views[3].depth.at(60, 45) * std::exp(photos.measurements[3].log_factor.at(60, 45)), kPaneDepth,
               0.01);
@@ -131,7 +131,7 @@ TEST(PanelDepth, AMirageBeyondReachIsLeftAlone) {
 
 TEST(PanelDepth, AHalfSureLabelDrawsHalfAsMuch) {
   WindowPhotos photos;
-  photos.views[0].label_share = ImageF(kWidth, kHeight, 1);
+  photos.views[0].label_share = ImageF(kPanelWidth, kPanelHeight, 1);
   std::fill(photos.views[0].label_share.data.begin(), photos.views[0].label_share.data.end(), 0.5f);
   photos.measure();
   EXPECT_FLOAT_EQ(photos.measurements[0].weight.at(60, 45), 0.5f * photos.measurements[1].weight.at(60, 45));
@@ -139,7 +139,7 @@ TEST(PanelDepth, AHalfSureLabelDrawsHalfAsMuch) {
 
 TEST(PanelDepth, WithoutMeasurementsOrLabelsThereAreNoPanels) {
   WindowPhotos photos;
-  for (PlaneView& view : photos.views) view.certainty = ImageF(kWidth, kHeight, 1);
+  for (PlaneView& view : photos.views) view.certainty = ImageF(kPanelWidth, kPanelHeight, 1);
   EXPECT_TRUE(photos.find().empty());
   for (PlaneView& view : photos.views) view.labels = {};
   photos.measure();

@@ -38,7 +38,7 @@ struct Scene {
   }
 };
 
-Camera true_camera() {
+Camera aligned_camera() {
   Camera c;
   c.width = 96;
   c.height = 72;
@@ -49,7 +49,7 @@ Camera true_camera() {
 }
 
 Camera moved(double degrees, const Vec3d& shift) {
-  Camera c = true_camera();
+  Camera c = aligned_camera();
   const double half = degrees * 3.14159265 / 360;
   c.world_to_camera.rotation = rotation_matrix(normalized(Quaterniond{1, 0.6 * half, -0.7 * half, 0.4 * half}));
   c.world_to_camera.translation = shift;
@@ -57,12 +57,12 @@ Camera moved(double degrees, const Vec3d& shift) {
 }
 
 double turn_of(const Camera& c) {
-  return rotation_angle_between_degrees(c.world_to_camera.rotation, true_camera().world_to_camera.rotation);
+  return rotation_angle_between_degrees(c.world_to_camera.rotation, aligned_camera().world_to_camera.rotation);
 }
 
 TEST(PhotoAlignment, FindsTheCameraThatTookThePhoto) {
   const Scene scene;
-  const ImageF photo = scene(true_camera()).color;
+  const ImageF photo = scene(aligned_camera()).color;
   const PhotoAlignment a = align_to_photo(moved(1.5, {0.05, -0.03, 0.04}), photo, {}, scene);
   EXPECT_LT(norm(a.camera.centre()), 0.002) << "of 7 cm";
   EXPECT_LT(turn_of(a.camera), 0.05);
@@ -71,7 +71,7 @@ TEST(PhotoAlignment, FindsTheCameraThatTookThePhoto) {
 
 TEST(PhotoAlignment, BrightnessIsNotMistakenForMotion) {
   const Scene scene;
-  ImageF photo = scene(true_camera()).color;
+  ImageF photo = scene(aligned_camera()).color;
   for (float& v : photo.data) v = 0.8f * v + 0.07f;
   const PhotoAlignment a = align_to_photo(moved(1, {0.03, 0.02, -0.02}), photo, {}, scene);
   EXPECT_LT(norm(a.camera.centre()), 0.002);
@@ -80,7 +80,7 @@ TEST(PhotoAlignment, BrightnessIsNotMistakenForMotion) {
 
 TEST(PhotoAlignment, WhatTheSceneDoesNotHaveIsLeftOut) {
   const Scene scene;
-  ImageF photo = scene(true_camera()).color, mask(96, 72, 1, 1.0f);
+  ImageF photo = scene(aligned_camera()).color, mask(96, 72, 1, 1.0f);
   for (int y = 10; y < 60; ++y) {  // a person hides part of the photo
     for (int x = 20; x < 50; ++x) {
       for (int c = 0; c < 3; ++c) photo.at(x, y, c) = 0.05f;
@@ -116,13 +116,13 @@ TEST(PhotoAlignment, GivesTheStartBackWhereThePhotoSaysNothing) {
 
 TEST(PhotoAlignment, ATruePoseStaysWhereItIs) {
   const Scene scene;
-  const PhotoAlignment a = align_to_photo(true_camera(), scene(true_camera()).color, {}, scene);
+  const PhotoAlignment a = align_to_photo(aligned_camera(), scene(aligned_camera()).color, {}, scene);
   EXPECT_LT(norm(a.camera.centre()), 1e-4);
 }
 
 TEST(PhotoAlignment, APhotoOfAnotherSizeIsAnError) {
-  EXPECT_THROW(align_to_photo(true_camera(), ImageF(10, 10, 3), {}, Scene()), Error);
-  EXPECT_THROW(align_to_photo(true_camera(), ImageF(96, 72, 3), ImageF(3, 3, 1), Scene()), Error);
+  EXPECT_THROW(align_to_photo(aligned_camera(), ImageF(10, 10, 3), {}, Scene()), Error);
+  EXPECT_THROW(align_to_photo(aligned_camera(), ImageF(96, 72, 3), ImageF(3, 3, 1), Scene()), Error);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 using namespace wall_photos;
 
-constexpr double kRoughness = 0.3;  // grain of the walls: without any, places look alike
+constexpr double kGrain = 0.3;  // grain of the walls: without any, places look alike
 
 /// Photos of the corner with true cameras and no depth, and some points of its walls, as structure from motion finds
 /// them.
@@ -24,7 +24,7 @@ struct BarePhotos {
 
   explicit BarePhotos(int count) {
     for (int i = 0; i < count; ++i) {
-      RefineView view = photo(true_camera(i), kRoughness);
+      RefineView view = photo(true_camera(i), kGrain);
       truth.push_back(std::move(view.match.depth));
       view.match.depth = {};
       for (int y = 5; y < kHeight; y += 20) {

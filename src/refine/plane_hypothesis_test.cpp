@@ -12,8 +12,8 @@ namespace {
 
 using namespace wall_photos;
 
-constexpr uint16_t kWall = 0, kFloor = 1;
-const std::vector<PlaneClass> kClasses = {{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}};
+constexpr uint16_t kHypothesisWall = 0, kFloor = 1;
+const std::vector<PlaneClass> kHypothesisClasses = {{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}};
 constexpr double kBackWall = 3, kFloorHeight = 0.8;  // of wall_photos
 
 /// Photos of a textured corner whose depth all views misjudge alike: the middle of the back wall or of the floor.
@@ -38,7 +38,7 @@ struct MisjudgedPhotos {
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
           const Vec3d place = photo.camera.unproject(x + 0.5, y + 0.5, photo.depth.at(x, y));
-          view.labels.at(x, y) = place.y > kFloorHeight - 0.01 ? kFloor : kWall;
+          view.labels.at(x, y) = place.y > kFloorHeight - 0.01 ? kFloor : kHypothesisWall;
           if (!is_wrong(place)) continue;
           photo.depth.at(x, y) *= static_cast<float>(factor);
           wrong.back().at(x, y) = 1;
@@ -61,7 +61,7 @@ struct MisjudgedPhotos {
     std::vector<PlaneMeasurement> measured(views.size());
     for (PlaneMeasurement& m : measured)
       m = {ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)};
-    try_planes(photos, views, kClasses, planes, {}, {}, {}, pool, measured);
+    try_planes(photos, views, kHypothesisClasses, planes, {}, {}, {}, pool, measured);
     double home = 0, all = 0;
     for (size_t i = 0; i < views.size(); ++i) {
       for (size_t p = 0; p < truth[i].pixels(); ++p) {
@@ -107,7 +107,7 @@ TEST(PlaneHypothesis, ANicheThatThePhotosShowStays) {
   std::vector<PlaneMeasurement> measured(room.views.size());
   for (PlaneMeasurement& m : measured)
     m = {ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)};
-  try_planes(room.photos, room.views, kClasses, room.planes, {}, {}, {}, room.pool, measured);
+  try_planes(room.photos, room.views, kHypothesisClasses, room.planes, {}, {}, {}, room.pool, measured);
   size_t moved = 0, all = 0;
   for (size_t i = 0; i < measured.size(); ++i) {
     for (size_t p = 0; p < measured[i].weight.data.size(); ++p) {
@@ -125,8 +125,8 @@ TEST(PlaneHypothesis, DoesNotDependOnTheNumberOfThreads) {
     m = {ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)};
   three = one;
   ThreadPool few(1), more(3);
-  try_planes(room.photos, room.views, kClasses, room.planes, {}, {}, {}, few, one);
-  try_planes(room.photos, room.views, kClasses, room.planes, {}, {}, {}, more, three);
+  try_planes(room.photos, room.views, kHypothesisClasses, room.planes, {}, {}, {}, few, one);
+  try_planes(room.photos, room.views, kHypothesisClasses, room.planes, {}, {}, {}, more, three);
   for (size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].log_factor.data, three[i].log_factor.data);
 }
 

@@ -12,7 +12,7 @@
 namespace aligngs {
 namespace {
 
-Camera camera() {
+Camera offset_camera() {
   Camera c = small_camera();
   c.world_to_camera.translation = {0.1, -0.2, 0.3};
   return c;
@@ -39,7 +39,7 @@ std::vector<PointMatch> matches(const Camera& of, int count, int wrong) {
 }
 
 TEST(RansacPose, IsFoundAmongFourTimesAsManyWrongMatches) {
-  const Camera truth = camera();
+  const Camera truth = offset_camera();
   const auto found = ransac_pose(elsewhere(truth), matches(truth, 200, 160), {});
   ASSERT_TRUE(found);
   EXPECT_GE(found->agreeing, 38);
@@ -50,53 +50,54 @@ TEST(RansacPose, IsFoundAmongFourTimesAsManyWrongMatches) {
 }
 
 TEST(RansacPose, KeepsTheLens) {
-  const auto found = ransac_pose(elsewhere(camera()), matches(camera(), 50, 0), {});
+  const auto found = ransac_pose(elsewhere(offset_camera()), matches(offset_camera(), 50, 0), {});
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->camera.fx, camera().fx);
-  EXPECT_EQ(found->camera.width, camera().width);
+  EXPECT_EQ(found->camera.fx, offset_camera().fx);
+  EXPECT_EQ(found->camera.width, offset_camera().width);
 }
 
 TEST(RansacPose, IsTheSameEveryTime) {
-  const std::vector<PointMatch> some = matches(camera(), 100, 70);
-  const auto a = ransac_pose(elsewhere(camera()), some, {}), b = ransac_pose(elsewhere(camera()), some, {});
+  const std::vector<PointMatch> some = matches(offset_camera(), 100, 70);
+  const auto a = ransac_pose(elsewhere(offset_camera()), some, {}),
+             b = ransac_pose(elsewhere(offset_camera()), some, {});
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->camera.world_to_camera.translation.x, b->camera.world_to_camera.translation.x);
 }
 
 TEST(RansacPose, ThreeMatchesAgreeWithAnything) {
-  EXPECT_FALSE(ransac_pose(camera(), matches(camera(), 3, 0), {}));
-  EXPECT_FALSE(ransac_pose(camera(), {}, {}));
+  EXPECT_FALSE(ransac_pose(offset_camera(), matches(offset_camera(), 3, 0), {}));
+  EXPECT_FALSE(ransac_pose(offset_camera(), {}, {}));
 }
 
 TEST(RansacPose, ThereIsNoneBehindTheCamera) {
-  std::vector<PointMatch> behind = matches(camera(), 20, 0);
+  std::vector<PointMatch> behind = matches(offset_camera(), 20, 0);
   for (PointMatch& match : behind) match.point.z = -10;
-  EXPECT_FALSE(ransac_pose(camera(), behind, {}));
+  EXPECT_FALSE(ransac_pose(offset_camera(), behind, {}));
 }
 
 TEST(RansacPose, AFartherTurnThanAllowedIsNone) {
   PoseSearchSettings settings;
   settings.largest_turn = 2;
-  const auto found = ransac_pose(elsewhere(camera()), matches(camera(), 100, 0), settings);
+  const auto found = ransac_pose(elsewhere(offset_camera()), matches(offset_camera(), 100, 0), settings);
   EXPECT_TRUE(!found || found->agreeing < 20);
 }
 
 TEST(RansacPose, PointsOnOneLineBreakNothing) {
-  std::vector<PointMatch> line = matches(camera(), 40, 0);
+  std::vector<PointMatch> line = matches(offset_camera(), 40, 0);
   for (size_t i = 0; i < line.size(); ++i) {
     line[i].point = {0.05 * static_cast<double>(i) - 1, 0, 3};
-    line[i].pixel = camera().project(camera().world_to_camera * line[i].point);
+    line[i].pixel = offset_camera().project(offset_camera().world_to_camera * line[i].point);
   }
-  const auto found = ransac_pose(elsewhere(camera()), line, {});
+  const auto found = ransac_pose(elsewhere(offset_camera()), line, {});
   EXPECT_TRUE(!found || std::isfinite(found->camera.world_to_camera.translation.x));
 }
 
 TEST(RansacPose, NoNumbersInAMatchAreLeftOut) {
-  std::vector<PointMatch> some = matches(camera(), 100, 0);
+  std::vector<PointMatch> some = matches(offset_camera(), 100, 0);
   for (size_t i = 0; i < some.size(); i += 4) some[i].pixel.x = std::nan("");
-  const auto found = ransac_pose(elsewhere(camera()), some, {});
+  const auto found = ransac_pose(elsewhere(offset_camera()), some, {});
   ASSERT_TRUE(found);
-  EXPECT_LT(norm(found->camera.centre() - camera().centre()), 0.02);
+  EXPECT_LT(norm(found->camera.centre() - offset_camera().centre()), 0.02);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-ScenePlane plane(PlaneKind kind, const Vec3d& normal, size_t points = 1000) {
+ScenePlane plane_of_room(PlaneKind kind, const Vec3d& normal, size_t points = 1000) {
   ScenePlane out;
   out.kind = kind;
   out.normal = normalized(normal);
@@ -27,8 +27,9 @@ double degrees_between(const Vec3d& a, const Vec3d& b) {
 /// A room turned in the world, its planes a degree or two off.
 std::vector<ScenePlane> bent_room() {
   const Vec3d x = normalized(Vec3d{1, 0.3, 0.1}), z = normalized(cross(x, {0.1, 1, 0})), y = cross(z, x);
-  return {plane(PlaneKind::kFloor, y + x * 0.02), plane(PlaneKind::kCeiling, -y + x * 0.02),
-          plane(PlaneKind::kWall, x + y * 0.03), plane(PlaneKind::kWall, -x + y * 0.03), plane(PlaneKind::kWall, z)};
+  return {plane_of_room(PlaneKind::kFloor, y + x * 0.02), plane_of_room(PlaneKind::kCeiling, -y + x * 0.02),
+          plane_of_room(PlaneKind::kWall, x + y * 0.03), plane_of_room(PlaneKind::kWall, -x + y * 0.03),
+          plane_of_room(PlaneKind::kWall, z)};
 }
 
 TEST(RoomAxes, AreFoundInATurnedRoomWhosePlanesAreBent) {
@@ -48,7 +49,8 @@ TEST(RoomAxes, UpIsWhereFloorsFaceAndCeilingsDoNot) {
   const auto axes = estimate_room_axes(bent_room());
   ASSERT_TRUE(axes && axes->up);
   EXPECT_GT(dot(*axes->up, bent_room()[0].normal), 0.99);
-  std::vector<ScenePlane> walls = {plane(PlaneKind::kWall, {1, 0, 0}), plane(PlaneKind::kWall, {0, 0, 1})};
+  std::vector<ScenePlane> walls = {plane_of_room(PlaneKind::kWall, {1, 0, 0}),
+                                   plane_of_room(PlaneKind::kWall, {0, 0, 1})};
   EXPECT_FALSE(estimate_room_axes(walls)->up) << "walls alone do not say";
 }
 
@@ -66,7 +68,7 @@ TEST(RoomAxes, PlanesAlongThemBecomeSquareAndTurnAboutTheirCentre) {
 
 TEST(RoomAxes, ASlopingCeilingStaysAsItIs) {
   std::vector<ScenePlane> planes = bent_room();
-  planes[1] = plane(PlaneKind::kCeiling, {0.6, -1, 0}, 300);
+  planes[1] = plane_of_room(PlaneKind::kCeiling, {0.6, -1, 0}, 300);
   const auto axes = estimate_room_axes(planes);
   ASSERT_TRUE(axes);
   EXPECT_LT(axes->share, 1);
@@ -76,16 +78,17 @@ TEST(RoomAxes, ASlopingCeilingStaysAsItIs) {
 TEST(RoomAxes, ARoomThatIsNotSquareHasNone) {
   std::vector<ScenePlane> planes;
   for (int k = 0; k < 6; ++k) {  // six walls of a hexagon, of which two are at a right angle to the floor each
-    planes.push_back(plane(PlaneKind::kWall, {std::cos(k * kPi / 3), 0, std::sin(k * kPi / 3)}));
+    planes.push_back(plane_of_room(PlaneKind::kWall, {std::cos(k * kPi / 3), 0, std::sin(k * kPi / 3)}));
   }
-  planes.push_back(plane(PlaneKind::kFloor, {0, 1, 0}, 1000));
+  planes.push_back(plane_of_room(PlaneKind::kFloor, {0, 1, 0}, 1000));
   EXPECT_FALSE(estimate_room_axes(planes));
 }
 
 TEST(RoomAxes, OnePlaneOrParallelOnesSayTooLittle) {
   EXPECT_FALSE(estimate_room_axes({}));
-  EXPECT_FALSE(estimate_room_axes({plane(PlaneKind::kFloor, {0, 1, 0})}));
-  EXPECT_FALSE(estimate_room_axes({plane(PlaneKind::kFloor, {0, 1, 0}), plane(PlaneKind::kCeiling, {0, -1, 0})}));
+  EXPECT_FALSE(estimate_room_axes({plane_of_room(PlaneKind::kFloor, {0, 1, 0})}));
+  EXPECT_FALSE(estimate_room_axes(
+      {plane_of_room(PlaneKind::kFloor, {0, 1, 0}), plane_of_room(PlaneKind::kCeiling, {0, -1, 0})}));
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ TEST(ScreenRegions, AScreenIsOneWithItsDepthAndDirection) {
 
 TEST(ScreenRegions, PiecesThatDoNotTouchAreTwo) {
   Photo p = photo(camera(0, -0.2, 0), Screen{});
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = kWidth / 2 - 2; x < kWidth / 2 + 2; ++x) p.view.labels.at(x, y) = kOtherLabel;
+  for (int y = 0; y < kPhotoHeight; ++y) {
+    for (int x = kPhotoWidth / 2 - 2; x < kPhotoWidth / 2 + 2; ++x) p.view.labels.at(x, y) = kOtherLabel;
   }
   EXPECT_EQ(regions_of(p).size(), 2u);
 }

@@ -21,7 +21,7 @@ inline constexpr double kHanging = 2.95, kStanding = 2.75;  ///< its distance
 inline constexpr double kLowHanging = 0.35, kLowStanding = 0.45;
 inline constexpr uint16_t kOtherLabel = 0, kScreenLabel = 1;
 inline const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kScreen};
-inline constexpr int kWidth = 320, kHeight = 240;
+inline constexpr int kPhotoWidth = 320, kPhotoHeight = 240;
 
 /// The screen's rectangle turned by `turn` radians about the vertical line through its middle, at the distance z.
 struct Screen {
@@ -46,11 +46,11 @@ inline std::vector<ScenePlane> planes() {
 
 inline Camera camera(double x, double y, double turn) {
   Camera out;
-  out.width = kWidth;
-  out.height = kHeight;
+  out.width = kPhotoWidth;
+  out.height = kPhotoHeight;
   out.fx = out.fy = 240;
-  out.cx = kWidth / 2.0;
-  out.cy = kHeight / 2.0;
+  out.cx = kPhotoWidth / 2.0;
+  out.cy = kPhotoHeight / 2.0;
   const double c = std::cos(turn), s = std::sin(turn);
   out.world_to_camera.rotation = Mat3d{{c, 0, -s, 0, 1, 0, s, 0, c}};
   out.world_to_camera.translation = -(out.world_to_camera.rotation * Vec3d{x, y, 0});
@@ -65,13 +65,13 @@ struct Photo {
 inline Photo photo(const Camera& camera, const Screen& screen) {
   Photo out;
   out.view.camera = camera;
-  out.view.depth = ImageF(kWidth, kHeight, 1);
-  out.view.labels = Image<uint16_t>(kWidth, kHeight, 1);
-  out.luma = ImageF(kWidth, kHeight, 1);
+  out.view.depth = ImageF(kPhotoWidth, kPhotoHeight, 1);
+  out.view.labels = Image<uint16_t>(kPhotoWidth, kPhotoHeight, 1);
+  out.luma = ImageF(kPhotoWidth, kPhotoHeight, 1);
   const Vec3d origin = camera.centre(), middle{0, 0, screen.z};
   const Mat3d to_world = transpose(camera.world_to_camera.rotation);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kPhotoHeight; ++y) {
+    for (int x = 0; x < kPhotoWidth; ++x) {
       float luma = 0, depth = 0;
       constexpr int kSide = 2;  // samples per pixel and side: an edge lies where it lies and not between pixels
       for (int k = 0; k < kSide * kSide; ++k) {

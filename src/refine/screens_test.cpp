@@ -104,7 +104,7 @@ TEST(Screens, AWrongPanelIsReplacedThoughTheDepthIsRight) {
 TEST(Screens, OneWithoutEdgesStays) {
   Screen grey;
   Photos photos(grey);
-  for (ImageF& luma : photos.lumas) luma = ImageF(kWidth, kHeight, 1, 0.5f);
+  for (ImageF& luma : photos.lumas) luma = ImageF(kPhotoWidth, kPhotoHeight, 1, 0.5f);
   photos.misjudge(0.37);
   EXPECT_TRUE(place(photos).empty());
 }

@@ -11,7 +11,7 @@ namespace {
 
 using namespace wall_photos;
 
-TrackSettings few_corners() {
+TrackSettings few_track_corners() {
   TrackSettings settings;
   settings.corners = {150, 5, 0.01};
   return settings;
@@ -32,7 +32,7 @@ class TracksTest : public testing::Test {
 TEST_F(TracksTest, BeginWithTheirCornerAndGoOnWhereOtherPhotosShowIt) {
   std::vector<RefineView> views;
   for (int i = 0; i < 4; ++i) views.push_back(photo(true_camera(i), 0.3));  // rough: no two places look alike
-  const std::vector<Track> tracks = find_tracks(numbered(views, 0), 0.05, few_corners(), pool_);
+  const std::vector<Track> tracks = find_tracks(numbered(views, 0), 0.05, few_track_corners(), pool_);
   ASSERT_GT(tracks.size(), 30u);
   for (const Track& track : tracks) {
     ASSERT_GE(track.observations.size(), 2u);
@@ -46,7 +46,7 @@ TEST_F(TracksTest, BeginWithTheirCornerAndGoOnWhereOtherPhotosShowIt) {
 
 TEST_F(TracksTest, AreNumberedAsTheirPhotosAre) {
   const std::vector<RefineView> views = photos(2, 0, 0, 0);
-  const std::vector<Track> tracks = find_tracks(numbered(views, 7), 0.05, few_corners(), pool_);
+  const std::vector<Track> tracks = find_tracks(numbered(views, 7), 0.05, few_track_corners(), pool_);
   ASSERT_FALSE(tracks.empty());
   EXPECT_EQ(tracks.front().view, 7);
   EXPECT_EQ(tracks.front().observations[1].view, 8);
@@ -55,21 +55,21 @@ TEST_F(TracksTest, AreNumberedAsTheirPhotosAre) {
 TEST_F(TracksTest, AMaskedPhotoBeginsNone) {
   std::vector<RefineView> views = photos(2, 0, 0, 0);
   views[0].mask = ImageF(kWidth, kHeight, 1);
-  const std::vector<Track> tracks = find_tracks(numbered(views, 0), 0.05, few_corners(), pool_);
+  const std::vector<Track> tracks = find_tracks(numbered(views, 0), 0.05, few_track_corners(), pool_);
   ASSERT_FALSE(tracks.empty());
   for (const Track& track : tracks) EXPECT_EQ(track.view, 1);
 }
 
 TEST_F(TracksTest, ALonePhotoHasNone) {
-  EXPECT_TRUE(find_tracks(numbered(photos(1, 0, 0, 0), 0), 0.05, few_corners(), pool_).empty());
+  EXPECT_TRUE(find_tracks(numbered(photos(1, 0, 0, 0), 0), 0.05, few_track_corners(), pool_).empty());
 }
 
 TEST_F(TracksTest, TheirPointsAreFoundInPhotosThatBeginNone) {
   const std::vector<RefineView> views = photos(4, 0, 0, 0);
   const std::vector<TrackPhoto> all = numbered(views, 0);
   const std::vector<TrackPhoto> training(all.begin(), all.begin() + 3), wanted(all.begin() + 3, all.end());
-  const std::vector<Track> tracks = find_tracks(training, 0.05, few_corners(), pool_);
-  const std::vector<Observation> found = find_points(tracks, training, wanted, 0.05, few_corners(), pool_);
+  const std::vector<Track> tracks = find_tracks(training, 0.05, few_track_corners(), pool_);
+  const std::vector<Observation> found = find_points(tracks, training, wanted, 0.05, few_track_corners(), pool_);
   ASSERT_GT(found.size(), 10u);
   for (const Observation& o : found) {
     EXPECT_EQ(o.view, 3);

@@ -16,7 +16,7 @@ std::filesystem::path write_csv(const std::string& name, const std::string& cont
   return folder / name;
 }
 
-std::string message_of(const std::string& name, const std::string& content) {
+std::string csv_message(const std::string& name, const std::string& content) {
   try {
     read_label_csv(write_csv(name, content));
   } catch (const Error& error) {
@@ -72,12 +72,12 @@ TEST(LabelSet, ColumnsMayStandInAnyOrder) {
 }
 
 TEST(LabelSet, BadFilesNameLineAndColumn) {
-  EXPECT_NE(message_of("h.csv", "index,name\n").find("'r'"), std::string::npos);
-  EXPECT_NE(message_of("c.csv", "index,name,r,g,b\n0,wall,300,0,0\n").find("line 2, column r"), std::string::npos);
-  EXPECT_NE(message_of("d.csv", "index,name,r,g,b\n0,a,1,1,1\n0,b,1,1,1\n").find("twice"), std::string::npos);
-  EXPECT_NE(message_of("g.csv", "index,name,r,g,b\n0,a,1,1,1\n5,b,1,1,1\n").find("gaps"), std::string::npos);
-  EXPECT_NE(message_of("e.csv", "index,name,r,g,b\n").find("no class"), std::string::npos);
-  EXPECT_NE(message_of("n.csv", "index,name,r,g,b\n0,,1,1,1\n").find("without a name"), std::string::npos);
+  EXPECT_NE(csv_message("h.csv", "index,name\n").find("'r'"), std::string::npos);
+  EXPECT_NE(csv_message("c.csv", "index,name,r,g,b\n0,wall,300,0,0\n").find("line 2, column r"), std::string::npos);
+  EXPECT_NE(csv_message("d.csv", "index,name,r,g,b\n0,a,1,1,1\n0,b,1,1,1\n").find("twice"), std::string::npos);
+  EXPECT_NE(csv_message("g.csv", "index,name,r,g,b\n0,a,1,1,1\n5,b,1,1,1\n").find("gaps"), std::string::npos);
+  EXPECT_NE(csv_message("e.csv", "index,name,r,g,b\n").find("no class"), std::string::npos);
+  EXPECT_NE(csv_message("n.csv", "index,name,r,g,b\n0,,1,1,1\n").find("without a name"), std::string::npos);
 }
 
 }  // namespace

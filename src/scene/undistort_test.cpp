@@ -9,7 +9,7 @@
 namespace aligngs {
 namespace {
 
-ColmapCamera colmap_camera(const std::string& model, std::vector<double> params) {
+ColmapCamera distorted_camera(const std::string& model, std::vector<double> params) {
   ColmapCamera camera;
   camera.id = 1;
   camera.model = model;
@@ -19,7 +19,7 @@ ColmapCamera colmap_camera(const std::string& model, std::vector<double> params)
   return camera;
 }
 
-LensModel barrel() { return lens_of(colmap_camera("SIMPLE_RADIAL", {60, 32, 24, -0.12}), "cameras.bin"); }
+LensModel barrel() { return lens_of(distorted_camera("SIMPLE_RADIAL", {60, 32, 24, -0.12}), "cameras.bin"); }
 
 /// A smooth picture of the undistorted plane: its value at a ray is known exactly.
 float picture(const Vec2d& p) { return static_cast<float>(0.5 + 0.3 * std::sin(5 * p.x) * std::cos(4 * p.y)); }
@@ -60,7 +60,7 @@ TEST(Undistort, TheResultIsThePictureSeenByThePinhole) {
 
 TEST(Undistort, EveryPixelHasASourceForBarrelAndPincushion) {
   for (double k : {-0.12, 0.15}) {
-    const LensModel lens = lens_of(colmap_camera("SIMPLE_RADIAL", {60, 32, 24, k}), "c");
+    const LensModel lens = lens_of(distorted_camera("SIMPLE_RADIAL", {60, 32, 24, k}), "c");
     const Camera pinhole = undistorted_camera(lens, "c");
     const ImageF image = undistort_image(ImageF(64, 48, 1, 1.0f), lens, pinhole);
     for (float value : image.data) ASSERT_EQ(value, 1);
@@ -71,7 +71,7 @@ TEST(Undistort, EveryPixelHasASourceForBarrelAndPincushion) {
 
 TEST(Undistort, AFisheyeBecomesThePinholesPicture) {
   // 110 degrees across
-  const LensModel lens = lens_of(colmap_camera("OPENCV_FISHEYE", {30, 30, 32, 24, 0.02, 0, 0, 0}), "c");
+  const LensModel lens = lens_of(distorted_camera("OPENCV_FISHEYE", {30, 30, 32, 24, 0.02, 0, 0, 0}), "c");
   const Camera pinhole = undistorted_camera(lens, "c");
   ImageF seen(64, 48, 1);
   for (int y = 0; y < 48; ++y) {
@@ -119,7 +119,7 @@ TEST(Undistort, LabelsAreNeverMixed) {
 }
 
 TEST(Undistort, ADistortionThatFoldsOverIsRefused) {
-  const LensModel lens = lens_of(colmap_camera("SIMPLE_RADIAL", {20, 32, 24, -3}), "c");
+  const LensModel lens = lens_of(distorted_camera("SIMPLE_RADIAL", {20, 32, 24, -3}), "c");
   EXPECT_THROW(undistorted_camera(lens, "c"), Error);
 }
 

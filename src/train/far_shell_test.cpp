@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kSide = 60;  // pixels
+constexpr int kImageSide = 60;  // pixels
 
 /// Six views from the middle of a cube of 4 x 4 x 4. The first looks through a window in its wall.
 std::vector<TrainingView> cube_views(int window) {
@@ -20,16 +20,16 @@ std::vector<TrainingView> cube_views(int window) {
   for (const Vec3d& side : sides) {
     TrainingView view;
     Camera& camera = view.data.camera;
-    camera.width = camera.height = kSide;
-    camera.fx = camera.fy = camera.cx = camera.cy = kSide / 2.0;
+    camera.width = camera.height = kImageSide;
+    camera.fx = camera.fy = camera.cx = camera.cy = kImageSide / 2.0;
     camera.world_to_camera = look_at({0, 0, 0}, side, side.z != 0 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1});
-    view.data.color = ImageF(kSide, kSide, 3, 0.25f);
-    view.data.prior_depth = ImageF(kSide, kSide, 1, 2.0f);
-    view.depth_weight = ImageF(kSide, kSide, 1, 1.0f);
+    view.data.color = ImageF(kImageSide, kImageSide, 3, 0.25f);
+    view.data.prior_depth = ImageF(kImageSide, kImageSide, 1, 2.0f);
+    view.depth_weight = ImageF(kImageSide, kImageSide, 1, 1.0f);
     views.push_back(std::move(view));
   }
-  for (int y = (kSide - window) / 2; y < (kSide + window) / 2; ++y)
-    for (int x = (kSide - window) / 2; x < (kSide + window) / 2; ++x) views[0].data.prior_depth.at(x, y) = 0;
+  for (int y = (kImageSide - window) / 2; y < (kImageSide + window) / 2; ++y)
+    for (int x = (kImageSide - window) / 2; x < (kImageSide + window) / 2; ++x) views[0].data.prior_depth.at(x, y) = 0;
   return views;
 }
 
@@ -60,7 +60,7 @@ TEST(FarShell, SmallHolesStayOpen) {
 
 TEST(FarShell, MaskedPixelsAreNoHoles) {
   std::vector<TrainingView> views = cube_views(20);
-  views[0].data.mask = ImageF(kSide, kSide, 1);
+  views[0].data.mask = ImageF(kImageSide, kImageSide, 1);
   EXPECT_EQ(far_shell(views, measured_room(views, kOnes), kCubeExtent, 10000).size(), 0u);
 }
 

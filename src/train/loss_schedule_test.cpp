@@ -79,10 +79,12 @@ TEST(LossSchedule, ALossWithAnEndReachesIt) {
 
 TEST(LossSchedule, ALossThatNeedsLabelsWaitsForThem) {
   for (const ScheduledLoss& row : scheduled_losses()) {
-    if ((row_of(row.loss).needs & kNeedsLabels) != 0)
+    if ((row_of(row.loss).needs & kNeedsLabels) != 0) {
       EXPECT_NE(row.gates & kGateSemantics, 0u) << row_of(row.loss).name;
-    if (row_of(row.loss).stage == LossStage::kTwoViews)
+    }
+    if (row_of(row.loss).stage == LossStage::kTwoViews) {
       EXPECT_NE(row.gates & kGateTwoViews, 0u) << row_of(row.loss).name;
+    }
   }
 }
 

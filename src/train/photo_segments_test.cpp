@@ -9,18 +9,18 @@
 namespace aligngs {
 namespace {
 
-constexpr int kWide = 32, kHigh = 24;
+constexpr int kSegmentColumns = 32, kSegmentRows = 24;
 constexpr float kStep = 0.05f, kAway = 2;  // metres
 constexpr uint16_t kChair = 19, kFloor = 3;
 
 GaussianModel flat_wall() {
   GaussianModel model;
-  model.resize(kWide * kHigh);
-  for (int y = 0; y < kHigh; ++y) {
-    for (int x = 0; x < kWide; ++x) {
-      const size_t i = static_cast<size_t>(y * kWide + x);
-      const float p[3] = {kStep * (static_cast<float>(x - kWide / 2) + 0.5f),
-                          kStep * (static_cast<float>(y - kHigh / 2) + 0.5f), kAway};
+  model.resize(kSegmentColumns * kSegmentRows);
+  for (int y = 0; y < kSegmentRows; ++y) {
+    for (int x = 0; x < kSegmentColumns; ++x) {
+      const size_t i = static_cast<size_t>(y * kSegmentColumns + x);
+      const float p[3] = {kStep * (static_cast<float>(x - kSegmentColumns / 2) + 0.5f),
+                          kStep * (static_cast<float>(y - kSegmentRows / 2) + 0.5f), kAway};
       for (size_t a = 0; a < 3; ++a) {
         model.positions[3 * i + a] = p[a];
         model.log_scales[3 * i + a] = std::log(a < 2 ? 0.3f * kStep : 0.03f * kStep);
@@ -35,16 +35,18 @@ GaussianModel flat_wall() {
 /// The left third is a chair, the middle one another, the rest floor.
 SegmentedView photo_of_chairs() {
   SegmentedView view;
-  view.camera.width = kWide;
-  view.camera.height = kHigh;
+  view.camera.width = kSegmentColumns;
+  view.camera.height = kSegmentRows;
   view.camera.fx = view.camera.fy = kAway / kStep;
-  view.camera.cx = kWide / 2;
-  view.camera.cy = kHigh / 2;
+  view.camera.cx = kSegmentColumns / 2;
+  view.camera.cy = kSegmentRows / 2;
   view.near_plane = 0.1f;
-  view.segments = {kWide, kHigh, {}, {{kFloor, Segment::kStuff}, {kChair, 0}, {kChair, 1}}};
-  for (int y = 0; y < kHigh; ++y) {
-    for (int x = 0; x < kWide; ++x)
-      view.segments.of_pixel.push_back(static_cast<uint16_t>(x < kWide / 3 ? 1 : x < 2 * kWide / 3 ? 2 : 0));
+  view.segments = {kSegmentColumns, kSegmentRows, {}, {{kFloor, Segment::kStuff}, {kChair, 0}, {kChair, 1}}};
+  for (int y = 0; y < kSegmentRows; ++y) {
+    for (int x = 0; x < kSegmentColumns; ++x)
+      view.segments.of_pixel.push_back(static_cast<uint16_t>(x < kSegmentColumns / 3       ? 1
+                                                             : x < 2 * kSegmentColumns / 3 ? 2
+                                                                                           : 0));
   }
   return view;
 }
@@ -54,9 +56,9 @@ TEST(PhotoSegmentsOfAView, AreThoseThatTheGaussianIsSeenIn) {
   const PhotoSegments seen = sighted_segments(flat_wall(), photo_of_chairs(), {}, pool);
   std::set<uint16_t> of_left, of_middle, of_right;
   for (const SegmentSighting& s : seen.seen) {
-    if (s.gaussian == 12 * kWide + 3) of_left.insert(s.segment);
-    if (s.gaussian == 12 * kWide + 16) of_middle.insert(s.segment);
-    if (s.gaussian == 12 * kWide + 28) of_right.insert(s.segment);
+    if (s.gaussian == 12 * kSegmentColumns + 3) of_left.insert(s.segment);
+    if (s.gaussian == 12 * kSegmentColumns + 16) of_middle.insert(s.segment);
+    if (s.gaussian == 12 * kSegmentColumns + 28) of_right.insert(s.segment);
   }
   EXPECT_EQ(of_left, (std::set<uint16_t>{1}));
   EXPECT_EQ(of_middle, (std::set<uint16_t>{2}));
@@ -67,7 +69,7 @@ TEST(PhotoSegmentsOfAView, OfStuffAloneAreNone) {
   ThreadPool pool(2);
   SegmentedView view = photo_of_chairs();
   view.segments.list = {{kFloor, Segment::kStuff}};
-  view.segments.of_pixel.assign(kWide * kHigh, 0);
+  view.segments.of_pixel.assign(kSegmentColumns * kSegmentRows, 0);
   EXPECT_TRUE(sighted_segments(flat_wall(), view, {}, pool).seen.empty());
 }
 

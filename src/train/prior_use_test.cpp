@@ -11,7 +11,7 @@ namespace aligngs {
 namespace {
 
 /// A camera at the given x, looking along +z.
-Camera camera_at(double x) {
+Camera small_camera_at(double x) {
   Camera c;
   c.width = 20;
   c.height = 20;
@@ -41,7 +41,7 @@ class FreeSpace : public testing::Test {
     std::vector<FreeSpaceView> views;
     for (const double x : {-0.1, 0.0, 0.1}) {
       FreeSpaceView v;
-      v.camera = camera_at(x);
+      v.camera = small_camera_at(x);
       v.prior_depth = prior;
       v.prior_weight = weight;
       v.median_depth = rendered;
@@ -117,11 +117,11 @@ TEST(PriorAlignment, TooFewSamplesDetermineNothing) {
   weight.at(3, 3) = 1;
   EXPECT_FALSE(align_prior_to_depth(ramp(1), weight, ramp(1.02), {}).has_value());
   EXPECT_FALSE(align_prior_to_depth(ramp(1), {}, ImageF(5, 5, 1, 1.0f), {}).has_value());
-  EXPECT_FALSE(align_prior_to_points(ramp(1), {}, camera_at(0), {}, {}).has_value());
+  EXPECT_FALSE(align_prior_to_points(ramp(1), {}, small_camera_at(0), {}, {}).has_value());
 }
 
 TEST(PriorAlignment, FindsTheScaleFromPoints) {
-  const Camera camera = camera_at(0.3);
+  const Camera camera = small_camera_at(0.3);
   const ImageF prior = ramp(1);
   PointCloud cloud;
   for (int y = 0; y < 20; ++y) {

@@ -13,7 +13,7 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr int kClasses = 150, kShown = 45;  ///< of the label set; ever among the two best
+constexpr int kStoredClasses = 150, kShown = 45;  ///< of the label set; ever among the two best
 constexpr int kWidth = 32, kHeight = 24;
 using Row = std::vector<double>;
 
@@ -21,7 +21,7 @@ std::vector<Row> make_teacher() {
   Random random(11);
   std::vector<Row> rows;
   for (int i = 0; i < kWidth * kHeight; ++i) {
-    Row p(kClasses);
+    Row p(kStoredClasses);
     for (double& x : p) x = std::exp(-7 + 2.5 * random.normal());
     const size_t first = random.below(kShown), second = random.below(kShown);
     double tail = 0, sum = 0;
@@ -46,7 +46,7 @@ StorageError storage_error(const std::vector<Row>& teacher, const std::vector<Ro
   for (size_t i = 0; i < teacher.size(); ++i) {
     double sum = 0, kl = 0;
     for (const double q : stored[i]) sum += q;
-    for (size_t c = 0; c < kClasses; ++c) {
+    for (size_t c = 0; c < kStoredClasses; ++c) {
       const double p = teacher[i][c], q = stored[i][c] / sum;
       e.largest = std::max(e.largest, std::abs(p - q));
       if (p > 0) kl += p * std::log(p / std::max(q, 1e-12));
@@ -90,7 +90,7 @@ std::vector<Row> as_top16(std::vector<Row> rows) {
       x = x >= sorted[15] ? static_cast<double>(half_to_float(float_to_half(static_cast<float>(x)))) : 0.0;
       kept += x;
     }
-    for (double& x : r) x = x > 0 ? x : std::max(0.0, 1 - kept) / (kClasses - 16);
+    for (double& x : r) x = x > 0 ? x : std::max(0.0, 1 - kept) / (kStoredClasses - 16);
   }
   return rows;
 }
@@ -120,7 +120,7 @@ TEST(TeacherStorage, Float16OfActiveClassesIsBothSmallerAndMoreExact) {
 
   TrainingView view;
   SemanticTarget& t = view.data.semantics;
-  t.channels = kClasses;
+  t.channels = kStoredClasses;
   t.width = kWidth;
   t.height = kHeight;
   for (const Row& r : teacher) {
@@ -132,11 +132,11 @@ TEST(TeacherStorage, Float16OfActiveClassesIsBothSmallerAndMoreExact) {
   const size_t pixels = teacher.size(), bytes = t.probabilities.size() * sizeof(uint16_t);
   EXPECT_GE(map.active.size(), static_cast<size_t>(kShown) / 2);
   EXPECT_NEAR(1e-6 * kPixelsPerView * static_cast<double>(bytes) / static_cast<double>(pixels), kActiveMegabytes, 0.05);
-  EXPECT_LT(bytes, pixels * kClasses * sizeof(uint8_t));  // less than 8 bits of every class
+  EXPECT_LT(bytes, pixels * kStoredClasses * sizeof(uint8_t));  // less than 8 bits of every class
   // The active classes hold exactly the given probabilities; the remainder is the rest of the mass.
   for (size_t i = 0; i < pixels; ++i) {
     double rest = 0;
-    for (size_t c = 0; c < kClasses; ++c)
+    for (size_t c = 0; c < kStoredClasses; ++c)
       rest += static_cast<double>(half_to_float(float_to_half(static_cast<float>(teacher[i][c]))));
     for (size_t k = 0; k < map.active.size(); ++k) {
       const uint16_t stored = t.probabilities[i * static_cast<size_t>(t.channels) + k];

@@ -17,7 +17,7 @@ using testing_maps::LossFixture;
 using testing_maps::narrow;
 
 // One weighted loss at a time, then all of them.
-constexpr auto kOneView = losses_of(LossStage::kColor, LossStage::kGeometry);
+constexpr auto kLossesOfOneView = losses_of(LossStage::kColor, LossStage::kGeometry);
 
 class EachTerm : public testing::TestWithParam<std::tuple<Loss, bool>> {
  protected:
@@ -30,7 +30,8 @@ class EachTerm : public testing::TestWithParam<std::tuple<Loss, bool>> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Losses, EachTerm,
-                         testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
+                         testing::Combine(testing::ValuesIn(kLossesOfOneView.begin(), kLossesOfOneView.end()),
+                                          testing::Bool()),
                          [](const auto& each) {
                            return std::string(row_of(std::get<0>(each.param)).name) +
                                   (std::get<1>(each.param) ? "_paper" : "_default");
@@ -135,7 +136,7 @@ TEST_P(EachTerm, FloatAgreesWithDouble) {
 
 LossSettings every_term(bool paper) {
   LossSettings s = color_and_class_losses();
-  for (const Loss loss : kOneView) s.weight[loss] = 0.3f;
+  for (const Loss loss : kLossesOfOneView) s.weight[loss] = 0.3f;
   s.paper_normals = paper;
   return s;
 }

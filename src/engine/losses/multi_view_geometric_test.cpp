@@ -18,7 +18,7 @@ using testing_maps::TwoViewFixture;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
-TwoViewFixture fixture() {
+TwoViewFixture geometric_fixture() {
   TwoViewFixture f;
   f.settings.weight[Loss::kMultiViewGeometric] = 0.7f;
   return f;
@@ -82,7 +82,7 @@ TEST(ForwardBackward, IsNotValidOutsideTheOtherImageOrBehindIt) {
 }
 
 TEST(MultiViewGeometric, GradientAgreesWithDifferencesOfTheWeightedDistance) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   MapGradients<double> g;
   MapLossWorkspace<double> workspace;
   const LossTerms terms = f.run(g, nullptr, &workspace);
@@ -107,7 +107,7 @@ TEST(MultiViewGeometric, GradientAgreesWithDifferencesOfTheWeightedDistance) {
 }
 
 TEST(MultiViewGeometric, PullsAMovedWallBack) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   for (int side = -1; side <= 1; side += 2) {
     for (int y = 0; y < f.maps.height; ++y) {
       for (int x = 0; x < f.maps.width; ++x) {
@@ -124,7 +124,7 @@ TEST(MultiViewGeometric, PullsAMovedWallBack) {
 }
 
 TEST(MultiViewGeometric, DoesNotActWithoutANeighbour) {
-  const TwoViewFixture f = fixture();
+  const TwoViewFixture f = geometric_fixture();
   MapGradients<double> g;
   EXPECT_EQ(f.LossFixture::run(g).total, 0);
   EXPECT_EQ(largest(g), 0);
@@ -137,13 +137,13 @@ void expect_nothing(const TwoViewFixture& f) {
 }
 
 TEST(MultiViewGeometric, IsZeroWithoutOverlap) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   f.other.data.camera.world_to_camera.rotation = rotation_matrix(normalized(Quaterniond{0, 0, 1, 0}));
   expect_nothing(f);
 }
 
 TEST(MultiViewGeometric, IsZeroWhereTheNeighbourHasNoDepth) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   for (const double none : {0.0, -1.0, kNotANumber, std::numeric_limits<double>::infinity()}) {
     f.other_depth.assign(f.pixels(), none);
     expect_nothing(f);
@@ -151,13 +151,13 @@ TEST(MultiViewGeometric, IsZeroWhereTheNeighbourHasNoDepth) {
 }
 
 TEST(MultiViewGeometric, IsZeroWhereTheViewsSeeDifferentSurfaces) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   for (double& z : f.other_depth) z *= 0.5;  // something in front of the wall
   expect_nothing(f);
 }
 
 TEST(MultiViewGeometric, IsZeroForAPlaneSeenEdgeOn) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   show_plane_everywhere(f, Vec3d{0, 1, 0}, 3);  // every pixel's plane lies along its ray, or nearly
   MapGradients<double> g;
   f.run(g);
@@ -169,7 +169,7 @@ TEST(MultiViewGeometric, IsZeroForAPlaneSeenEdgeOn) {
 }
 
 TEST(MultiViewGeometric, MapsThatAreNotNumbersAreLeftOut) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   f.maps.distance[100] = kNotANumber;
   f.maps.normal[101] = kNotANumber;
   f.maps.expected[102] = kNotANumber;
@@ -184,7 +184,7 @@ TEST(MultiViewGeometric, MapsThatAreNotNumbersAreLeftOut) {
 }
 
 TEST(MultiViewGeometric, ANeighbourWithoutAPhotoOfItsSizeIsAnError) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   f.other.data.color = ImageF(3, 3, 3);
   MapGradients<double> g;
   try {
@@ -196,7 +196,7 @@ TEST(MultiViewGeometric, ANeighbourWithoutAPhotoOfItsSizeIsAnError) {
 }
 
 TEST(KeepNeighbourDepth, KeepsTheTightDepthsAndSurvivesTheNextLosses) {
-  TwoViewFixture f = fixture();
+  TwoViewFixture f = geometric_fixture();
   f.maps.expected[50] *= 1.5;  // a depth that is only loosely supported
   MapLossWorkspace<double> workspace;
   keep_neighbour_depth<double>({f.maps, f.view, f.settings}, workspace);

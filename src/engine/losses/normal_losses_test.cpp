@@ -16,7 +16,7 @@ using testing_maps::show_plane;
 
 constexpr double kRadian = 3.14159265358979323846 / 180;
 const Vec3d kFrontal{0, 0, -1};
-const Vec3d kSlanted = normalized(Vec3d{0.6, 0.2, -1});
+const Vec3d kSlantedNormal = normalized(Vec3d{0.6, 0.2, -1});
 
 // A unit normal turned by an angle from the frontal one, about the y axis.
 Vec3d turned(double degrees) { return {std::sin(degrees * kRadian), 0, -std::cos(degrees * kRadian)}; }
@@ -42,7 +42,7 @@ double distance_through_seam(const LossFixture& f, const Vec3d& n) {
   return -2 * dot(n, f.view.data.camera.ray(7, f.view.data.camera.cy));
 }
 
-void expect_zero(const LossFixture& f) {
+void expect_zero_normal_losses(const LossFixture& f) {
   MapGradients<double> g;
   EXPECT_EQ(f.run(g).total, 0);
   EXPECT_EQ(largest(g), 0);
@@ -50,7 +50,7 @@ void expect_zero(const LossFixture& f) {
 
 TEST(NormalConsistency, IsZeroOnAPlane) {
   for (const bool paper : {false, true}) {
-    LossFixture f = plane_fixture(kSlanted, 2);
+    LossFixture f = plane_fixture(kSlantedNormal, 2);
     f.settings.weight[Loss::kNormalConsistency] = 1;
     f.settings.paper_normals = paper;
     MapGradients<double> g;
@@ -88,7 +88,7 @@ TEST(NormalConsistency, DoesNotDifferentiateAcrossADepthJump) {
 }
 
 TEST(NormalConsistency, DoesNotDifferentiateAcrossAHole) {
-  LossFixture f = plane_fixture(kSlanted, 2);
+  LossFixture f = plane_fixture(kSlantedNormal, 2);
   f.maps.alpha[size_t(5) * f.maps.width + 6] = 0.2;
   f.settings.weight[Loss::kNormalConsistency] = 1;
   MapGradients<double> g;
@@ -100,14 +100,14 @@ TEST(NormalConsistency, IsZeroWithFewerThanOnePercentValidPixels) {
   LossFixture f(14, 11);
   for (size_t i = 0; i < f.pixels(); ++i) f.maps.alpha[i] = i < 3 ? 0.9 : 0.3;  // no pixel has two neighbours
   f.settings.weight[Loss::kNormalConsistency] = 1;
-  expect_zero(f);
+  expect_zero_normal_losses(f);
 }
 
 TEST(NormalConsistency, CancelledNormalsHaveNoDirection) {
   LossFixture f(14, 11);
   for (double& v : f.maps.normal) v *= 0.05;
   f.settings.weight[Loss::kPriorNormal] = 1;
-  expect_zero(f);
+  expect_zero_normal_losses(f);
 }
 
 TEST(PriorNormal, IsOneMinusTheCosineOfTheAngle) {
@@ -124,11 +124,11 @@ TEST(PriorNormal, IsZeroWithoutOne) {
   LossFixture f;
   f.settings.weight[Loss::kPriorNormal] = 1;
   f.view.prior_normal = {};
-  expect_zero(f);
+  expect_zero_normal_losses(f);
   LossFixture empty;
   empty.settings.weight[Loss::kPriorNormal] = 1;
   std::fill(empty.view.prior_normal.data.begin(), empty.view.prior_normal.data.end(), 0.0f);
-  expect_zero(empty);
+  expect_zero_normal_losses(empty);
 }
 
 TEST(NormalBoundary, PenaltyFollowsTheTableOfTheMethod) {
@@ -152,7 +152,7 @@ TEST(NormalBoundary, IsTheMeanPenaltyOverPairs) {
 TEST(NormalBoundary, LeavesOutDepthJumpsUnlessAsPrinted) {
   LossFixture f = folded(kFrontal, 2, kFrontal, 3);
   f.settings.weight[Loss::kNormalBoundary] = 1;
-  expect_zero(f);
+  expect_zero_normal_losses(f);
   f.settings.paper_normals = true;
   MapGradients<double> g;
   EXPECT_NEAR(f.run(g)[Loss::kNormalBoundary], 0.5, 1e-9);
@@ -163,9 +163,9 @@ TEST(NormalBoundary, IsZeroForOneLabel) {
   f.settings.weight[Loss::kNormalBoundary] = 1;
   f.settings.paper_normals = true;
   std::fill(f.view.data.labels.data.begin(), f.view.data.labels.data.end(), uint16_t(7));
-  expect_zero(f);
+  expect_zero_normal_losses(f);
   std::fill(f.view.data.labels.data.begin(), f.view.data.labels.data.begin() + 40, kNoLabel);
-  expect_zero(f);  // unknown is not a class
+  expect_zero_normal_losses(f);  // unknown is not a class
 }
 
 TEST(ClassifyEdge, AFoldWithoutAJumpIsACrease) {
@@ -228,15 +228,15 @@ TEST(Crease, ALoneEdgePixelCarriesLittle) {
 TEST(Crease, IsZeroForOneLabelOrWithoutPriors) {
   LossFixture f = plane_fixture(turned(60), 2);
   f.settings.weight[Loss::kCrease] = 1;
-  expect_zero(f);
+  expect_zero_normal_losses(f);
   LossFixture unknown = LossFixture();
   unknown.settings.weight[Loss::kCrease] = 1;
   unknown.view.data.labels = {};
-  expect_zero(unknown);
+  expect_zero_normal_losses(unknown);
   LossFixture no_prior;
   no_prior.settings.weight[Loss::kCrease] = 1;
   no_prior.view.prior_normal = {};
-  expect_zero(no_prior);
+  expect_zero_normal_losses(no_prior);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 using namespace testing_scene;
 
 /// Looks at colour, normals and distances, so that every way from the pose to the maps counts.
-MapLossFunction<double> probe() {
+MapLossFunction<double> pose_probe() {
   return [](const RenderMaps<double>& m, LossTerms& terms, MapGradients<double>& d) {
     const auto add = [&](const std::vector<double>& map, std::vector<double>& gradient, double frequency) {
       for (size_t k = 0; k < map.size(); ++k) {
@@ -36,10 +36,10 @@ TEST(PoseGradient, MatchesDifferencesAtEveryDegree) {
     const auto loss_at = [&](const Vec3d& turn, const Vec3d& shift) {
       TrainingView view = make_view();
       view.data.camera.world_to_camera = Rigidd{rotation_of(turn), shift} * view.data.camera.world_to_camera;
-      return gradients(model, view, request, 0.0, probe()).losses.total;
+      return gradients(model, view, request, 0.0, pose_probe()).losses.total;
     };
     const PoseGradient<double> got =
-        pose_gradient(model, gradients(model, make_view(), request, 0.0, probe()).gradient, make_camera(), degree);
+        pose_gradient(model, gradients(model, make_view(), request, 0.0, pose_probe()).gradient, make_camera(), degree);
     double largest = 0;
     Vec3d rotation, translation;
     for (int k = 0; k < 3; ++k) {
