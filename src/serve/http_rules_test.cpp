@@ -63,7 +63,8 @@ TEST_F(HttpRules, ALengthHasOneMeaning) {
 
 TEST_F(HttpRules, APostNeedsItsContentTypeInAnyCase) {
   EXPECT_EQ(status(raw(post_head("Content-Length: 2\r\n\r\n{}"))), 403);
-  EXPECT_EQ(status(raw(post_head("Content-Type: Application/JSON; charset=utf-8\r\nContent-Length: 2\r\n\r\n{}"))), 200);
+  EXPECT_EQ(status(raw(post_head("Content-Type: Application/JSON; charset=utf-8\r\nContent-Length: 2\r\n\r\n{}"))),
+            200);
 }
 
 TEST_F(HttpRules, AClientThatWaitsToBeAskedIsAskedForItsBody) {
@@ -89,8 +90,8 @@ TEST_F(HttpRules, OtherFormsOfATargetAreRefused) {
   for (const char* line : {"GET http://localhost/api/state", "GET http://evil.example/", "GET *", "OPTIONS *",
                            "CONNECT localhost:80", "GET /files/scene.ply%00", "GET /files/%2"})
     EXPECT_EQ(status(raw(line + rest)), 400) << line;
-  for (const char* line : {"GET //localhost/api/state", "GET /files/%252e%252e/secret.txt", "GET /files/%c0%ae%c0%ae/secret.txt",
-                           "GET /files/.", "GET /api/photo/%ff"})
+  for (const char* line : {"GET //localhost/api/state", "GET /files/%252e%252e/secret.txt",
+                           "GET /files/%c0%ae%c0%ae/secret.txt", "GET /files/.", "GET /api/photo/%ff"})
     EXPECT_EQ(status(raw(line + rest)), 404) << line;
   EXPECT_EQ(status(raw("GET /" + std::string(20000, 'a') + rest)), 431);
   EXPECT_EQ(status(raw("GET /api/state HTTP/2.0\r\nHost: localhost\r\n\r\n")), 400);
@@ -106,7 +107,8 @@ TEST_F(HttpRules, RangesThatAreUnusual) {
   EXPECT_EQ(header(range("bytes=-99"), "Content-Range"), "bytes 0-9/10") << "the last 99 bytes of ten";
   EXPECT_EQ(status(range("bytes=-0")), 416);
   EXPECT_EQ(body(range("bytes=8-99")), "89");
-  for (const char* whole : {"bytes=0-1,4-5", "bytes=5-2", "lines=0-1", "bytes=-", "bytes=a-b", "bytes=0-18446744073709551616"})
+  for (const char* whole :
+       {"bytes=0-1,4-5", "bytes=5-2", "lines=0-1", "bytes=-", "bytes=a-b", "bytes=0-18446744073709551616"})
     EXPECT_EQ(body(range(whole)), "0123456789") << whole;
   EXPECT_EQ(body(range("bytes=0-1", "If-Range: \"other\"\r\n")), "0123456789");
   const std::string head = ask(server_->port(), "HEAD", "/files/scene.ply", "Range: bytes=2-4\r\n");
@@ -123,12 +125,14 @@ TEST_F(HttpRules, AFileThatHasChangedIsNotSentToAClientThatWantsTheOldOne) {
 }
 
 TEST_F(HttpRules, AnEventStreamGoesOnFromAnyPlace) {
-  for (const char* from : {"", "Last-Event-ID: 11\r\n", "Last-Event-ID: -1\r\n", "Last-Event-ID: 99999999999999999999999\r\n",
-                           "Last-Event-ID: \xff\r\n"}) {
-    const std::string told = raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n" + std::string(from) + "\r\n", "event: state");
+  for (const char* from : {"", "Last-Event-ID: 11\r\n", "Last-Event-ID: -1\r\n",
+                           "Last-Event-ID: 99999999999999999999999\r\n", "Last-Event-ID: \xff\r\n"}) {
+    const std::string told =
+        raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n" + std::string(from) + "\r\n", "event: state");
     EXPECT_EQ(status(told), 200) << from;
     EXPECT_NE(told.find("{\"step\":2}"), std::string::npos) << from << told;
-    EXPECT_EQ(told.find("{\"step\":1}") != std::string::npos, from[0] == '\0' || std::string(from).find("11") == std::string::npos)
+    EXPECT_EQ(told.find("{\"step\":1}") != std::string::npos,
+              from[0] == '\0' || std::string(from).find("11") == std::string::npos)
         << from;
   }
 }
