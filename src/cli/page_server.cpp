@@ -24,7 +24,9 @@ PageServer::PageServer(PageServerOptions options) {
   start_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
     edits_ = std::make_unique<EditService>(EditServiceOptions{
-        run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); }});
+        run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); },
+        [this](const EditableRoom& room) { start_->edited(room.gaussians.model); }});
+    if (!options.server.expect_run) edits_->open_ahead();
     edits_->serve(options.server);
     selections_ =
         std::make_unique<SelectionService>(*edits_, [this](const std::string& path) { return scenes_->shown(path); });

@@ -45,10 +45,10 @@ class PageServer {
 
  private:
   std::unique_ptr<SceneService> scenes_;
+  std::unique_ptr<StartPicture> start_;  // before the edits, which tell it of theirs
   std::unique_ptr<EditService> edits_;
   std::unique_ptr<SelectionService> selections_;
   std::unique_ptr<ViewRenders> renders_;
-  std::unique_ptr<StartPicture> start_;
   std::unique_ptr<ViewServer> server_;
   std::atomic<bool> stop_{false}, stop_asked_{false};
   std::thread thread_;

@@ -33,7 +33,7 @@ AskedRange asked_range(std::string_view range, std::string_view if_range, std::s
 /// Value of Content-Range: "bytes 0-9/100".
 std::string content_range(const ByteRange& bytes, uint64_t size);
 
-/// Whether If-None-Match (a list of ETags, or "*") names `etag`.
+/// Whether If-None-Match or If-Match (a list of ETags, or "*") names `etag`.
 bool names_etag(std::string_view if_none_match, std::string_view etag);
 
 }  // namespace aligngs

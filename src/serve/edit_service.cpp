@@ -70,7 +70,22 @@ EditOperation beside_run(EditOperation edit, const fs::path& run) {
 EditService::EditService(EditServiceOptions options) : options_(std::move(options)) {}
 EditService::~EditService() = default;
 
+void EditService::open_ahead() {
+  ahead_ = std::jthread([this] {
+    try {
+      if (!read_edits(options_.run / "edits.json").empty()) opened();
+    } catch (const std::exception&) {
+      // The page asks for its edits and gets the reason.
+    }
+  });
+}
+
 EditSession& EditService::session() {
+  if (ahead_.joinable()) ahead_.join();
+  return opened();
+}
+
+EditSession& EditService::opened() {
   if (RunControl(options_.run).active()) {
     session_.reset();
     throw_usage("the run is still being made", "wait until it has ended, or stop it; then its objects can be edited");
@@ -83,6 +98,7 @@ EditSession& EditService::session() {
     session_ = std::make_unique<EditSession>(options_.run, EditSessionOptions{options_.scene, options_.threads});
     give_back_free_memory();
     opened_ = files;
+    tell_changed();
   }
   session_->selections();  // those that another process changed are known before a sentence is read
   return *session_;
@@ -123,8 +139,13 @@ std::string EditService::preview(const std::string& request) {
   return json_line(answer);
 }
 
+void EditService::tell_changed() {
+  if (options_.changed && !session_->stack().empty()) options_.changed(session_->room());
+}
+
 std::string EditService::listed(const char* what, const Json& value) {
   opened_ = files_of(options_.run);
+  tell_changed();
   Json answer = stack();
   answer[what] = value;
   return json_line(answer);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "edit/edit_session.h"
@@ -20,6 +21,8 @@ struct EditServiceOptions {
   int threads = 0;
   /// Tells the splats of a .ply file that the page has (SceneService::shown).
   std::function<std::shared_ptr<const ShownSplats>(const std::string& path)> shown;
+  /// Gets the room whenever it has other edits than before. May be called on a thread of the service.
+  std::function<void(const EditableRoom& room)> changed;
 };
 
 /// One call at a time. The run is opened at the first call, and again when another process changed its files (a resumed
@@ -29,6 +32,9 @@ class EditService {
  public:
   explicit EditService(EditServiceOptions options);
   ~EditService();
+  /// Begins to open the run on a thread of its own, where it has edits: the page needs them for its first picture. To be
+  /// called before anything else.
+  void open_ahead();
 
   /// {"edits": ["delete pillow", ...], "redo": [...], "objects": [{"object", "class_id", "instance", "gaussians",
   /// "centre"}], "formats": [...]}; "redo" holds what undo took back, the next one first.
@@ -62,6 +68,8 @@ class EditService {
   void serve(ViewServerOptions& options);
 
  private:
+  EditSession& opened();  ///< session(), without waiting for open_ahead()
+  void tell_changed();
   /// Runs one request. Memory that it freed goes back to the system, as the session stays for hours.
   std::string lean(std::string (EditService::*call)(const std::string&), const std::string& request);
   std::string undone(size_t number);
@@ -73,6 +81,7 @@ class EditService {
   std::unique_ptr<EditSession> session_;
   std::string opened_;               ///< versions of the files that the session read
   std::vector<EditOperation> redo_;  ///< taken back, the latest last
+  std::jthread ahead_;               // last: ends before what it uses
 };
 
 /// POST /api/control {"action": "pause" | "resume" | "checkpoint" | "stop"}: speaks to the training of an active run

@@ -70,6 +70,10 @@ HttpAnswer download_answer(const Request& request, Download download) {
       asked_range(view_of(request[http::field::range]), view_of(request[http::field::if_range]), download.etag, size);
   http::status status = http::status::ok;
   answer.bytes = {0, size};
+  const std::string_view if_match = view_of(request[http::field::if_match]);
+  if (!if_match.empty() && !names_etag(if_match, download.etag)) {
+    return refusal(request, http::status::precondition_failed, "the file has changed");
+  }
   if (names_etag(view_of(request[http::field::if_none_match]), download.etag)) {
     status = http::status::not_modified;
     answer.bytes = {0, 0};

@@ -20,6 +20,13 @@ constexpr int kSendBuffer = 128 * 1024;         // bytes
 constexpr size_t kMostDiscarded = 1024 * 1024;  // bytes read after the last answer
 constexpr auto kDiscardTime = 2s;
 
+constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
+
+/// The client sends its body when it has been told to (RFC 9110, section 10.1.1).
+bool waits_to_be_asked(const Request& request) {
+  return request.version() >= 11 && beast::iequals(request[http::field::expect], "100-continue");
+}
+
 /// The answer to what could not be read as a request; nothing for a client that went away.
 std::optional<HttpAnswer> answer_to(const beast::error_code& error, const Request& request) {
   if (error == http::error::header_limit) {
@@ -60,6 +67,7 @@ awaitable<std::optional<Request>> HttpConnection::read(
   co_await http::async_read_header(stream_, buffer_, parser, net::redirect_error(use_awaitable, error));
   if (!error) {
     if (auto refused = refuse(parser.get())) co_return co_await answered(parser.get(), std::move(*refused));
+    if (!parser.is_done() && waits_to_be_asked(parser.get())) co_await write(kGoOn);
   }
   while (!error && !parser.is_done()) {
     stream_.expires_after(limits_.request);

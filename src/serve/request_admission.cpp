@@ -8,8 +8,24 @@ bool is_get(const Request& request) {
   return request.method() == http::verb::get || request.method() == http::verb::head;
 }
 
+namespace {
+
+/// Headers that decide who may ask, and how a body is read. A second one would let two readers see two requests.
+constexpr const char* kOnce[] = {"Host",         "Origin",         "Sec-Fetch-Site", "Sec-Fetch-Mode",
+                                 "Content-Type", "Sec-Fetch-Dest", "X-AlignGS-Token"};
+
+std::optional<std::string> repeated_header(const Request& request) {
+  for (const char* name : kOnce) {
+    if (request.count(name) > 1) return std::string("the header ") + name + " is there twice";
+  }
+  return {};
+}
+
+}  // namespace
+
 std::optional<HttpAnswer> refusal_of(const Request& request, const ViewServerOptions& options,
                                      const std::string& token) {
+  if (const auto repeated = repeated_header(request)) return refusal(request, http::status::bad_request, *repeated);
   const std::string_view host = view_of(request[http::field::host]);
   if (!host_allowed(host, options.allowed_hosts)) {
     return refusal(request, http::status::forbidden, "this host name is not served; see --allow-host");

@@ -15,6 +15,12 @@ int hex_digit(char c) {
   return -1;
 }
 
+/// Equal but for the case of letters, as names of media types are compared.
+bool same_name(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 /// The host without its port; empty when the brackets of an IPv6 address do not match.
 std::string_view without_port(std::string_view host) {
   if (!host.empty() && host[0] == '[') {
@@ -86,7 +92,7 @@ std::string_view query_value(std::string_view target, std::string_view name) {
 bool post_allowed(const PostHeaders& h, std::string_view token) {
   if (!h.origin.empty() && h.origin != "http://" + std::string(h.host)) return false;
   constexpr std::string_view kJson = "application/json";
-  if (h.content_type.substr(0, kJson.size()) != kJson) return false;
+  if (!same_name(h.content_type.substr(0, kJson.size()), kJson)) return false;
   if (h.content_type.size() > kJson.size() && h.content_type[kJson.size()] != ';') return false;
   return same_secret(h.token, token);
 }

@@ -4,7 +4,6 @@
 
 #include "core/error.h"
 #include "core/free_memory.h"
-#include "io/json_text.h"
 #include "serve/compact_scene.h"
 #include "serve/splat_table.h"
 
@@ -19,7 +18,7 @@ constexpr uint64_t kLargestScene = uint64_t(4) << 30;  // bytes of a PLY file
 SceneService::SceneService(const std::filesystem::path& run, bool expect_run) : run_(run, expect_run) {
   ahead_ = std::jthread([this] {
     try {
-      const nlohmann::json state = parse_json(run_.state());
+      const nlohmann::json state = run_.description();
       if (state["splats"].is_string() && !state["active"].get<bool>())
         part("coarse/" + state["splats"].get<std::string>());
     } catch (const std::exception&) {

@@ -1,6 +1,7 @@
 #include "serve/served_run.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -22,43 +23,61 @@ namespace {
 constexpr uint64_t kMaxJson = uint64_t(64) << 20;  // bytes of one description file
 constexpr size_t kMaxLine = size_t(1) << 20;       // bytes of one event
 
-/// The JSON files of a run. The page shows their faults.
+/// The JSON files of a run. Each is read once, and the page shows its fault.
 class RunDescriptions {
  public:
   /// The value of a file below `root`, null when it is absent, unreadable or nested too deeply.
-  Json read(const fs::path& root, const std::string& name) {
-    const auto file = ServedFile::open(root, name);
-    if (!file) return nullptr;
-    const auto text = file->content(kMaxJson);
-    if (!text) return problem(name + " is larger than 64 MiB");
-    if (json_depth(*text) > kDeepestFile)
-      return problem(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
-    Json json = parse_json(*text);
-    if (json.is_discarded()) return problem(name + " is no JSON");  // files of a run take their place whole
-    return json;
-  }
+  const Json& read(const fs::path& root, const std::string& name) { return entry(root, name).value; }
   /// read() of a file that is a JSON object.
-  Json object(const fs::path& root, const std::string& name) {
-    Json json = read(root, name);
-    return json.is_null() || json.is_object() ? json : problem(name + " is no JSON object");
+  const Json& object(const fs::path& root, const std::string& name) {
+    Entry& found = entry(root, name);
+    if (!found.value.is_null() && !found.value.is_object()) found = faulty(name + " is no JSON object");
+    return found.value;
+  }
+  /// Why a file that is a JSON object cannot be read; null where it can.
+  const Json& fault(const fs::path& root, const std::string& name) {
+    object(root, name);
+    return entry(root, name).fault;
   }
   /// The views and measurements of page.json; null without any.
   Json notes(const fs::path& root) {
-    const Json stored = read(root, "page.json");
+    const Json& stored = read(root, "page.json");
     if (stored.is_null()) return nullptr;
     try {
       return page_notes_json(read_page_notes(json_line(stored), "page.json"));
     } catch (const Error& error) {
-      return problem(error.what());
+      return faulty(error.what()).value;
     }
   }
   const Json& problems() const { return problems_; }
 
  private:
-  Json problem(const std::string& told) {
-    problems_.push_back(told);
-    return nullptr;
+  struct Entry {
+    Json value, fault;
+  };
+
+  Entry& entry(const fs::path& root, const std::string& name) {
+    const auto [place, is_new] = files_.try_emplace(root / name);
+    if (is_new) place->second = read_now(root, name);
+    return place->second;
   }
+  Entry read_now(const fs::path& root, const std::string& name) {
+    const auto file = ServedFile::open(root, name);
+    if (!file) return {};
+    const auto text = file->content(kMaxJson);
+    if (!text) return faulty(name + " is larger than 64 MiB");
+    if (json_depth(*text) > kDeepestFile)
+      return faulty(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
+    Json json = parse_json(*text);
+    if (json.is_discarded()) return faulty(name + " is no JSON");  // files of a run take their place whole
+    return {std::move(json), nullptr};
+  }
+  Entry faulty(const std::string& told) {
+    problems_.push_back(told);
+    return {nullptr, told};
+  }
+
+  std::map<fs::path, Entry> files_;
   Json problems_ = Json::array();
 };
 
@@ -113,6 +132,25 @@ Json scene_classes(const fs::path& scene) {
   return classes;
 }
 
+/// Why edits, pictures and exports are not there for a run; null when they are. `scene` is its folder, empty where there
+/// is none.
+Json why_not_editable(const fs::path& root, RunDescriptions& descriptions, const fs::path& scene, bool active) {
+  if (active) return "the run is still being made";
+  if (!has_file(root, "scene.ply")) {
+    return has_folder(root, "checkpoints")
+               ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
+               : "nothing has been trained yet";
+  }
+  const Json& record = descriptions.object(root, "run.json");
+  if (!record.is_object()) return "run.json, the record of the run, is missing or damaged";
+  if (field(record, "scene").is_string() && scene.empty())
+    return "the scene of this run is not where run.json says: `aligngs view RUN --scene DIR` names its new place";
+  for (const char* name : {"edits.json", "selections.json"}) {
+    if (const Json& fault = descriptions.fault(root, name); !fault.is_null()) return fault;
+  }
+  return nullptr;
+}
+
 /// Stages of `aligngs run`, in order, and the progress of this run.
 Json stages_of(const fs::path& root, const Json& run, bool active) {
   struct Stage {
@@ -156,33 +194,17 @@ ServedRun::ServedRun(const fs::path& path, bool expect_run, fs::path scene) : mo
   }
 }
 
-fs::path ServedRun::scene_folder() const {
-  const Json scene = field(RunDescriptions().read(root_, "run.json"), "scene");
+fs::path ServedRun::scene_folder(const Json& record) const {
+  const Json scene = field(record, "scene");
   if (moved_scene_.empty() && !scene.is_string()) return {};
   std::error_code error;
   const fs::path found = fs::canonical(moved_scene_.empty() ? root_ / scene.get<std::string>() : moved_scene_, error);
   return error ? fs::path() : found;
 }
 
-Json ServedRun::why_not_editable(const Json& record, bool active) const {
-  if (active) return "the run is still being made";
-  if (!has_file(root_, "scene.ply")) {
-    return has_folder(root_, "checkpoints")
-               ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
-               : "nothing has been trained yet";
-  }
-  if (!record.is_object()) return "run.json, the record of the run, is missing or damaged";
-  if (field(record, "scene").is_string() && scene_folder().empty())
-    return "the scene of this run is not where run.json says: `aligngs view RUN --scene DIR` names its new place";
-  for (const char* name : {"edits.json", "selections.json"}) {
-    RunDescriptions descriptions;
-    descriptions.object(root_, name);
-    if (!descriptions.problems().empty()) return descriptions.problems().front();
-  }
-  return nullptr;
-}
+std::string ServedRun::state() const { return json_line(description()); }
 
-std::string ServedRun::state() const {
+Json ServedRun::description() const {
   Json state = {
       {"splats", nullptr},         {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
       {"classes", nullptr},        {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
@@ -194,7 +216,7 @@ std::string ServedRun::state() const {
     state["name"] = only_;
     state["splats"] = only_;
     state["version"] = file_version(root_ / only_);
-    return json_line(state);
+    return state;
   }
   state["name"] = root_.filename().string();
   RunDescriptions descriptions;
@@ -215,7 +237,8 @@ std::string ServedRun::state() const {
     state["splats"] = trained;
   }
   if (has_file(root_, "mesh/mesh.ply")) state["mesh"] = "mesh/mesh.ply";
-  state["not_editable"] = why_not_editable(run, active);
+  const fs::path scene = scene_folder(run);
+  state["not_editable"] = why_not_editable(root_, descriptions, scene, active);
   state["editable"] = state["not_editable"].is_null();
   state["drawable"] = state["editable"].get<bool>() && has_folder(root_, "checkpoints");
   const Json edits = field(descriptions.object(root_, "edits.json"), "edits");
@@ -226,7 +249,6 @@ std::string ServedRun::state() const {
   state["selections"] = has_file(root_, "selections.json") ? Json(file_version(root_ / "selections.json")) : Json();
   state["version"] =
       file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
-  const fs::path scene = scene_folder();
   state["classes"] = field(descriptions.object(root_, "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
   state["cameras"] = descriptions.read(root_, "cameras.json");
@@ -245,12 +267,12 @@ std::string ServedRun::state() const {
   }
   state["start"] = start_pose_json(start_pose(state["cameras"], state["up"]));
   state["problems"] = descriptions.problems();
-  return json_line(state);
+  return state;
 }
 
 std::vector<std::string> ServedRun::first_requests() const {
   std::vector<std::string> requests = {"/api/state"};
-  const Json now = parse_json(state());
+  const Json now = description();
   const auto is_plain = [](const std::string& path) {
     return path.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-/") == path.npos;
   };
@@ -290,7 +312,7 @@ std::optional<ServedFile> ServedRun::file(std::string_view relative) const {
 
 std::optional<ServedFile> ServedRun::photo(std::string_view view) const {
   if (!only_.empty() || view.find('/') != std::string_view::npos) return {};
-  const fs::path scene = scene_folder();
+  const fs::path scene = scene_folder(RunDescriptions().object(root_, "run.json"));
   if (scene.empty()) return {};
   std::error_code error;
   const fs::path images = fs::canonical(scene / "images", error);

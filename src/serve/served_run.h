@@ -37,7 +37,8 @@ class ServedRun {
   /// of room.json or null. "notes" are the views and measurements of page.json (page_notes.h) or null. "start" is where the page begins (start_pose.h) or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files
   /// that are too large, nested too deeply or no JSON object; their parts are null. "status" is the one of run.json,
   /// "starting" before there is one, and "unknown" for splats without a record of their run.
-  std::string state() const;
+  nlohmann::json description() const;
+  std::string state() const;  ///< description() as text
 
   /// Addresses that a page asks for first, so that a browser may fetch them while it reads the page. They are the state
   /// and the splats of the first picture. Splats of a file whose name has other than plain letters are left out.
@@ -59,9 +60,8 @@ class ServedRun {
   std::string events(uint64_t& offset, size_t limit = size_t(1) << 18) const;
 
  private:
-  std::filesystem::path scene_folder() const;
-  /// Why edits, pictures and exports are not there for this run; null when they are. `record` is its run.json.
-  nlohmann::json why_not_editable(const nlohmann::json& record, bool active) const;
+  /// The scene of the run whose record this is; empty where it is not there.
+  std::filesystem::path scene_folder(const nlohmann::json& record) const;
 
   std::filesystem::path root_;  ///< canonical
   std::string only_;            ///< name of the single file; empty for a run

@@ -1,5 +1,7 @@
 #include "serve/start_picture.h"
 
+#include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -7,16 +9,20 @@
 #include "engine/engine.h"
 #include "gaussians/gaussian_ply.h"
 #include "io/image_file.h"
-#include "io/json_text.h"
 #include "scene/camera_path.h"
 
 namespace aligngs {
+
+using namespace std::chrono_literals;
+
 namespace {
 
 constexpr int kWidth = 1056, kHeight = 704;               // pixels: about those of a window, drawn in a second
 constexpr double kFieldOfView = 80;                       // degrees, as web/src/page.ts has it for a tall page
 constexpr int kQuality = 82;                              // of JPEG: about 100 kB, a fifth of a second at 4 Mbit/s
 constexpr uint64_t kLargestSplats = uint64_t(512) << 20;  // bytes of a file: more takes longer than the page itself
+constexpr size_t kMostEdited = 2'000'000;                 // splats of an edited room: about the same bytes
+constexpr auto kQuiet = 2s;  // after an edit: somebody who edits on does not wait for this picture
 
 std::string text_of(const std::vector<uint8_t>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -33,66 +39,101 @@ GetAnswer no_picture() {
 StartPicture::StartPicture(const std::filesystem::path& run, bool expect_run, const std::filesystem::path& scene,
                            int threads)
     : run_(run, expect_run, scene), threads_(threads) {
-  work_ = std::jthread([this] {
-    if (const auto now = subject()) draw(*now);
-    drawing_ = false;
-  });
+  if (auto now = subject(); now && now->room == Room::kTrained) ask_for({std::move(*now), nullptr});
+  work_ = std::jthread([this](const std::stop_token& stop) { draw_what_is_asked(stop); });
 }
 
 StartPicture::~StartPicture() = default;
 
 std::optional<StartPicture::Subject> StartPicture::subject() const {
-  const nlohmann::json state = parse_json(run_.state());
-  if (!state["splats"].is_string() || state["active"].get<bool>() || state["edited"].get<bool>()) return {};
+  const nlohmann::json state = run_.description();
+  if (!state["splats"].is_string()) return {};
   const auto pose = start_pose(state["cameras"], state["up"]);
   if (!pose) return {};
-  return Subject{state["splats"].get<std::string>(), state["version"].get<std::string>(), *pose};
+  Subject now{Room::kTrained, state["splats"].get<std::string>(), state["version"].get<std::string>(), *pose};
+  if (state["edited"].get<bool>()) {
+    now.room = Room::kEdited;
+    now.version += "-" + state["edits"].get<std::string>();
+  } else if (state["active"].get<bool>()) {
+    now.room = Room::kInTraining;
+  }
+  return now;
 }
 
-void StartPicture::draw(const Subject& subject) {
+void StartPicture::ask_for(Work work) {
+  if (next_) picture_of(next_->subject.room).version.clear();  // it will not be drawn, and may be asked for again
+  picture_of(work.subject.room).version = work.subject.version;
+  next_ = std::move(work);
+  asked_.notify_all();
+}
+
+void StartPicture::edited(const GaussianModel& model) {
+  auto now = subject();
+  if (!now || now->room != Room::kEdited || model.size() > kMostEdited) return;
   {
     const std::lock_guard lock(mutex_);
-    version_ = subject.version;
-    jpeg_.reset();
+    if (picture_of(Room::kEdited).version == now->version) return;
   }
-  try {
-    const auto file = run_.file(subject.splats);
-    if (!file || file->size() > kLargestSplats) return;
-    std::vector<uint8_t> bytes;
-    {
-      const std::unique_ptr<Engine> engine = make_cpu_engine(threads_);
-      engine->load(read_gaussian_ply(file->path()));
-      RenderOptions options;
-      options.geometry = false;
-      const StartPose& pose = subject.pose;
-      const Camera camera = camera_of({0, pose.eye, pose.target, kFieldOfView}, pose.up, kWidth, kHeight);
-      bytes = encode_jpeg(to_bytes(engine->render(camera, options).color), kQuality);
+  auto copy = std::make_shared<const GaussianModel>(model);
+  const std::lock_guard lock(mutex_);
+  ask_for({std::move(*now), std::move(copy)});
+}
+
+void StartPicture::draw_what_is_asked(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const auto asked = [this] { return next_.has_value(); };
+  while (asked_.wait(lock, stop, asked)) {
+    if (next_->model) {
+      const std::string version = next_->subject.version;
+      const auto is_other = [&] { return next_->subject.version != version; };
+      if (asked_.wait_for(lock, stop, kQuiet, is_other)) continue;
+      if (stop.stop_requested()) return;
     }
+    Work work = std::move(*next_);
+    next_.reset();
+    lock.unlock();
+    auto jpeg = drawn(work);
+    work.model.reset();
     give_back_free_memory();
-    const std::lock_guard lock(mutex_);
-    jpeg_ = std::make_shared<const std::string>(text_of(bytes));
+    lock.lock();
+    picture_of(work.subject.room).jpeg = std::move(jpeg);
+    picture_of(work.subject.room).drawn = work.subject.version;
+  }
+}
+
+std::shared_ptr<const std::string> StartPicture::drawn(const Work& work) const {
+  try {
+    auto model = work.model;
+    if (!model) {
+      const auto file = run_.file(work.subject.splats);
+      if (!file || file->size() > kLargestSplats) return nullptr;
+      model = std::make_shared<const GaussianModel>(read_gaussian_ply(file->path()));
+    }
+    const std::unique_ptr<Engine> engine = make_cpu_engine(threads_);
+    engine->load(*model);
+    model.reset();
+    RenderOptions options;
+    options.geometry = false;
+    const StartPose& pose = work.subject.pose;
+    const Camera camera = camera_of({0, pose.eye, pose.target, kFieldOfView}, pose.up, kWidth, kHeight);
+    return std::make_shared<const std::string>(
+        text_of(encode_jpeg(to_bytes(engine->render(camera, options).color), kQuality)));
   } catch (const std::exception&) {
-    // The page asks for the same splats and tells the reason.
+    return nullptr;  // the page asks for the same splats and tells the reason
   }
 }
 
 GetAnswer StartPicture::picture() {
-  const auto now = subject();
+  auto now = subject();
   if (!now) return no_picture();
-  {
-    const std::lock_guard lock(mutex_);
-    if (version_ == now->version) {
-      if (!jpeg_) return no_picture();
-      return {"image/jpeg", {}, jpeg_, "\"start-" + now->version + "\""};
-    }
-  }
-  if (!drawing_.exchange(true)) {
-    work_ = std::jthread([this, subject = *now] {
-      draw(subject);
-      drawing_ = false;
-    });
-  }
-  return no_picture();
+  const std::lock_guard lock(mutex_);
+  const Picture& known = picture_of(now->room);
+  const bool is_old = known.version != now->version;
+  // During a training every snapshot is another version, and an old one is better than none.
+  const bool shows = known.jpeg && (known.drawn == now->version || now->room == Room::kInTraining);
+  GetAnswer answer = shows ? GetAnswer{"image/jpeg", {}, known.jpeg, "\"start-" + known.drawn + "\""} : no_picture();
+  if (is_old && now->room != Room::kEdited) ask_for({std::move(*now), nullptr});
+  return answer;
 }
 
 void StartPicture::serve(ViewServerOptions& options) {

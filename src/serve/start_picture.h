@@ -1,7 +1,7 @@
 // The picture of a room that the page shows until its splats are drawn.
 #pragma once
 
-#include <atomic>
+#include <condition_variable>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "gaussians/gaussian_model.h"
 #include "serve/served_run.h"
 #include "serve/start_pose.h"
 #include "serve/view_server.h"
@@ -25,27 +26,47 @@ class StartPicture {
   StartPicture& operator=(const StartPicture&) = delete;
 
   /// A JPEG file. A transparent pixel as a PNG file where there is no picture, as nobody waits for one. So it is while
-  /// it is being drawn, during a training, with edits, without a start pose, and for splats of more than 512 MiB.
+  /// it is being drawn, without a start pose, and for splats of more than 512 MiB. During a training it is the picture
+  /// of the splats that a page last asked for. With edits it is that of edited().
   GetAnswer picture();
+
+  /// The edited room has these splats from now on. They are drawn when it has been left alone for two seconds. From any
+  /// thread.
+  void edited(const GaussianModel& model);
 
   /// Adds GET /api/start.jpg. This must outlive the server.
   void serve(ViewServerOptions& options);
 
  private:
-  /// The splats and the pose of a picture.
+  /// The three rooms that a run may show, each with a picture of its own.
+  enum class Room { kTrained, kEdited, kInTraining };
   struct Subject {
+    Room room;
     std::string splats, version;
     StartPose pose;
   };
+  struct Work {
+    Subject subject;
+    std::shared_ptr<const GaussianModel> model;  ///< null: read from the file
+  };
+  struct Picture {
+    std::string version;                      ///< of what is drawn, or is being drawn
+    std::shared_ptr<const std::string> jpeg;  ///< null where drawing fails
+    std::string drawn;                        ///< version of `jpeg`
+  };
+
   std::optional<Subject> subject() const;
-  void draw(const Subject& subject);
+  Picture& picture_of(Room room) { return pictures_[static_cast<size_t>(room)]; }
+  void ask_for(Work work);  ///< with mutex_; takes the place of work that has not begun
+  void draw_what_is_asked(const std::stop_token& stop);
+  std::shared_ptr<const std::string> drawn(const Work& work) const;
 
   ServedRun run_;
   int threads_;
   std::mutex mutex_;
-  std::string version_;                      ///< of the picture, or of the one that is being drawn
-  std::shared_ptr<const std::string> jpeg_;  ///< null while it is being drawn, and where that fails
-  std::atomic<bool> drawing_{true};
+  std::condition_variable_any asked_;
+  std::optional<Work> next_;
+  Picture pictures_[3];
   std::jthread work_;  // last: ends before what it uses
 };
 

@@ -1,4 +1,4 @@
-// The picture over a real socket: of a run that is finished, and a pixel in place of none.
+// The picture over a real socket: of a run that is finished, edited or in training, and a pixel in place of none.
 #include "serve/start_picture.h"
 
 #include <chrono>
@@ -6,6 +6,7 @@
 #include "gaussians/gaussian_ply.h"
 #include "io/image_file.h"
 #include "serve/view_server_for_tests.h"
+#include "train/run_control.h"
 
 namespace aligngs {
 namespace {
@@ -27,6 +28,12 @@ GaussianModel ball() {
   return model;
 }
 
+GaussianModel green_ball() {
+  GaussianModel model = ball();
+  std::swap(model.sh[0], model.sh[1]);
+  return model;
+}
+
 constexpr const char* kCameras = R"([
   {"position": [0, 0, -3], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
   {"position": [-1, 0, 0], "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}])";
@@ -36,6 +43,7 @@ class StartPictureOfARun : public testing_support::ViewServerTest {
   void configure(ViewServerOptions& options) override {
     write_gaussian_ply(base_ / "run" / "scene.ply", ball());
     write("run/cameras.json", kCameras);
+    write("run/run.json", R"({"scene": "scene", "status": "done", "stage": "train"})");
     begin(options);
   }
   void TearDown() override {
@@ -73,25 +81,43 @@ TEST_F(StartPictureOfARun, ShowsWhatTheSplatsShow) {
 
 TEST_F(StartPictureOfARun, FollowsANewVersionOfTheSplats) {
   const std::string before = answer();
-  GaussianModel green = ball();
-  green.sh[0] = 0;
-  green.sh[1] = 1.7f;
-  write_gaussian_ply(base_ / "run" / "scene.ply", green);
+  write_gaussian_ply(base_ / "run" / "scene.ply", green_ball());
   EXPECT_EQ(header(get("/api/start.jpg"), "Content-Type"), "image/png") << "nobody waits for the new one";
   const std::string after = answer();
   EXPECT_NE(header(after, "ETag"), header(before, "ETag"));
   EXPECT_GT(decode_image(body(after), "start.jpg").at(528, 352, 1), 200);
 }
 
-TEST_F(StartPictureOfARun, IsAPixelWithEdits) {
+TEST_F(StartPictureOfARun, IsThatOfTheEditedRoomAndOfTheTrainedOneAfterUndo) {
+  const std::string trained = answer();
+  write("run/edits.json", R"({"schema": 1, "edits": [{"edit": "recolor", "object": "ball"}]})");
+  ASSERT_NE(get("/api/state").find("\"edited\":true"), std::string::npos);
+  EXPECT_EQ(header(get("/api/start.jpg"), "Content-Type"), "image/png") << "nobody has told the edited splats";
+  service_->edited(green_ball());
+  const std::string edited = answer();
+  ASSERT_EQ(header(edited, "Content-Type"), "image/jpeg");
+  EXPECT_GT(decode_image(body(edited), "start.jpg").at(528, 352, 1), 200);
+  EXPECT_LT(decode_image(body(edited), "start.jpg").at(528, 352, 0), 180);
+  std::filesystem::remove(base_ / "run" / "edits.json");
+  EXPECT_EQ(body(get("/api/start.jpg")), body(trained)) << "it was kept";
+}
+
+TEST_F(StartPictureOfARun, IsTheOneBeforeDuringATraining) {
   answer();
-  write("run/run.json", R"({"scene": "scene", "status": "done", "stage": "train"})");
-  std::filesystem::create_directories(base_ / "run" / "checkpoints");
-  write("run/edits.json", R"({"schema": 1, "edits": [{"edit": "delete", "object": "ball"}]})");
-  const std::string told = get("/api/start.jpg");
-  const bool edited = get("/api/state").find("\"edited\":true") != std::string::npos;
-  ASSERT_TRUE(edited) << "the run of this test counts as edited";
-  EXPECT_EQ(header(told, "Content-Type"), "image/png");
+  std::filesystem::create_directories(base_ / "run" / "live");
+  write_gaussian_ply(base_ / "run" / "live" / "scene.ply", green_ball());
+  const RunLock lock(base_ / "run");
+  EXPECT_EQ(header(get("/api/start.jpg"), "Content-Type"), "image/png") << "the trained room is another one";
+  const std::string first = answer();
+  ASSERT_EQ(header(first, "Content-Type"), "image/jpeg");
+  write_gaussian_ply(base_ / "run" / "live" / "scene.ply", ball());
+  EXPECT_EQ(body(get("/api/start.jpg")), body(first)) << "an old picture is better than none";
+  std::string next = first;
+  for (int i = 0; i < 200 && body(next) == body(first); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    next = get("/api/start.jpg");
+  }
+  EXPECT_GT(decode_image(body(next), "start.jpg").at(528, 352, 0), 200) << "the new snapshot follows";
 }
 
 class StartPictureOfNoRoom : public StartPictureOfARun {

@@ -17,6 +17,7 @@ import time
 WARM_SHARE = 0.3         # of the time: until then caches fill and allocators find their size
 GROWTH_MB = 40           # of private memory after that, which is the noise of the allocator
 GROWTH_DESCRIPTORS = 4   # connections that the kernel is about to close
+PATIENCE = 300           # seconds that an answer may take on a busy machine
 VANISH_BYTES = 65536     # that a vanishing client takes of a download
 
 
@@ -30,7 +31,7 @@ class Server:
 
     def ask(self, path, body=None):
         """Status, headers and content of one request."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=300)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
         if body is None:
             connection.request("GET", path)
         else:
@@ -42,7 +43,7 @@ class Server:
 
     def vanish(self, request, read):
         """Sends bytes, takes some of the answer, and is gone without a word."""
-        with socket.create_connection(("127.0.0.1", self.port), timeout=60) as s:
+        with socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE) as s:
             s.sendall(request.replace("HOST", self.host).encode())
             while read > 0:
                 got = len(s.recv(min(read, 65536)))
@@ -84,7 +85,7 @@ def soak(server, run, minutes, log):
         else:
             status = wanted
             request = choose.choice(["GET /files/scene.ply HTTP/1.1\r\nHost: HOST\r\n\r\n", "GET /api/events HTTP/1.1\r\nHost: HOST\r\n\r\n",
-                                     f"GET /api/render/{views[0]}/rgb.png HTTP/1.1\r\nHost: HOST\r\n\r\n", "GET /files/sc"])
+                                     f"GET /api/render/{views[0]}/rgb.png HTTP/1.1\r\nHost: HOST\r\nConnection: close\r\n\r\n", "GET /files/sc"])
             endless = not request.startswith("GET /files/scene") and not request.startswith("GET /api/render")
             server.vanish(request, 0 if request.endswith("sc") else choose.choice([0, 1] if endless else [0, 1, VANISH_BYTES]))
         asked += 1

@@ -3,13 +3,14 @@ import { readColumns, unpacked, type Columns, type Head } from './columns';
 
 interface EditHead { total: number; changed: number; added: number; changed_columns: Head['columns']; added_columns: Head['columns'] }
 
-/// `bytes` is the gzip stream of the server.
+/// `bytes` is the gzip stream of the server. `trained` has all splats of the trained room, or the first ones (firstOf).
 export async function editedScene(trained: Columns, bytes: BlobPart): Promise<Columns> {
   const part = await unpacked(bytes), head = part.head as EditHead, stays = Math.ceil(head.total / 8);
-  if (head.total !== trained.count) throw new Error('The edits are of other splats than those that are shown.');
+  const known = trained.count;
+  if (head.total !== (trained.total ?? known)) throw new Error('The edits are of other splats than those that are shown.');
   const view = new DataView(part.bytes.buffer, part.bytes.byteOffset, part.bytes.byteLength);
   const rows: number[] = [];
-  for (let k = 0; k < head.total; ++k) if (view.getUint8(k >> 3) & (1 << (k & 7))) rows.push(k);
+  for (let k = 0; k < known; ++k) if (view.getUint8(k >> 3) & (1 << (k & 7))) rows.push(k);
   let at = stays;
   const place = new Int32Array(head.total).fill(-1); // of each trained splat in the new scene
   rows.forEach((row, i) => { place[row] = i; });
@@ -26,7 +27,7 @@ export async function editedScene(trained: Columns, bytes: BlobPart): Promise<Co
     const out = new Float32Array(rows.length + head.added);
     for (let i = 0; i < rows.length; ++i) out[i] = old[rows[i]];
     const change = changes.values.get(name), more = added.values.get(name);
-    if (change) changed.forEach((row, i) => { out[row] = change[i]; });
+    if (change) changed.forEach((row, i) => { if (row >= 0) out[row] = change[i]; });
     if (more) out.set(more, rows.length);
     values.set(name, out);
   }

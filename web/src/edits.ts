@@ -154,5 +154,5 @@ function summary(r: EditReport): string {
   const objects = r.objects.map((o) => o.object).join(', ');
   const left = r.left_behind.length ? `; ${r.left_behind.join(', ')} was on it; "with contents" takes it along` : '';
   const counts = `${r.selected_gaussians.toLocaleString('en')} of ${r.gaussians_before.toLocaleString('en')} Gaussians`;
-  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians} new ones close the hole` : ''}${left}`;
+  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians.toLocaleString('en')} new ones close the hole` : ''}${left}`;
 }

@@ -30,6 +30,8 @@ import { upOf } from './start_pose';
 import { TrainingPanel } from './training';
 import { type Viewer } from './viewer';
 
+const kListTime = 400; // milliseconds that the list waits for the other splats
+
 export class Page {
   state!: RunState;
   private frustaShown = false;
@@ -134,7 +136,7 @@ export class Page {
     const wanted = `${path}?${s.version} ${edits}`;
     if (wanted === this.loadedSplats) return;
     const begins = this.loadedSplats === '';
-    await this.loader.load(path, s.version, edits, begins, async (columns, first) => {
+    await this.loader.load(path, s.version, edits, begins, async (columns, { first, last }) => {
       this.viewer.setSplats(columns);
       this.loadedSplats = wanted;
       this.viewer.mesh = null;
@@ -149,7 +151,7 @@ export class Page {
         this.places.start();
         this.places.followLink();
       }
-      await this.listLater();
+      await this.listLater(last);
     }).catch((e) => { this.dropFirstPicture(); throw e; });
   }
 
@@ -178,11 +180,12 @@ export class Page {
     this.measures.show(this.metres, this.canScale, this.plan.given);
   }
 
-  /// Lists the objects after the next picture, which does not need them.
-  private async listLater(): Promise<void> {
-    const shown = this.viewer.splats;
+  /// Lists the objects after the next picture, which does not need them. Those of the first splats are listed where the
+  /// others take long.
+  private async listLater(all: boolean): Promise<void> {
+    const shown = this.viewer.splats, list = () => { if (shown === this.viewer.splats) this.listObjects(); };
     await Promise.all([this.planned, this.viewer.nextPicture()]);
-    if (shown === this.viewer.splats) this.listObjects();
+    if (all) list(); else window.setTimeout(list, kListTime);
   }
 
   private listObjects(): void {

@@ -145,7 +145,10 @@ export class SplatLayer {
     const data = texture.lock() as Uint8Array;
     for (let i = 0; i < count; ++i) {
       const instance = instances ? instances[i] : 0, label = labels ? labels[i] : kStyles - 1;
-      data.set([Math.min(kStyles - 1, label), instance & 255, instance >> 8, kPlain], 4 * i);
+      data[4 * i] = Math.min(kStyles - 1, label);
+      data[4 * i + 1] = instance & 255;
+      data[4 * i + 2] = instance >> 8;
+      data[4 * i + 3] = kPlain;
     }
     texture.unlock();
     this.entity.gsplat!.setParameter('aligngsStyle', styles as unknown as number);

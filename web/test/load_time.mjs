@@ -16,7 +16,7 @@ for (const other of ['', ...others]) {
   servers.push({ name: other || 'this', ...await serve(other && !folder ? other : program, run), shown: [], first: [], all: [], processor: [], bytes: 0 });
 }
 /// Notes milliseconds from the beginning of the navigation to the first sorted picture of splats, as the page sees it. The
-/// same to the server's picture of the start pose, where there is one.
+/// same to the first sorted picture of all splats, in a room without edits. The same to the server's picture of the start pose, where there is one.
 const watch = () => {
   let page;
   new PerformanceObserver((list) => {
@@ -25,8 +25,12 @@ const watch = () => {
   Object.defineProperty(window, 'aligngs', { get: () => page, set: (value) => {
     page = value;
     value.viewer.app.systems.gsplat.on('frame:ready', (_camera, _layer, ready, loading) => {
-      if (!ready || loading > 0 || !value.viewer.splats || window.firstPicture) return;
-      requestAnimationFrame(() => { window.firstPicture ??= performance.now(); });
+      const { splats } = value.viewer;
+      if (!ready || loading > 0 || !splats) return;
+      requestAnimationFrame(() => {
+        window.firstPicture ??= performance.now();
+        if (splats.count === (splats.total ?? splats.count)) window.wholePicture ??= performance.now();
+      });
     });
   } });
 };
@@ -49,8 +53,8 @@ await withBrowser(async (browser) => {
         const [splats, picture] = await page.evaluate(() => [window.firstPicture, window.startPicture]);
         s.shown.push(Math.min(splats, picture ?? splats) / 1000);
         s.first.push(splats / 1000);
-        await page.evaluate(() => window.aligngs.ready);
-        s.all.push(await page.evaluate(() => performance.now()) / 1000);
+        await page.waitForFunction(() => window.wholePicture, null, { timeout: 300000 });
+        s.all.push(await page.evaluate(() => window.wholePicture) / 1000);
         await context.close();
         if (process.env.VERBOSE) console.log(`${round} ${s.name} ${s.shown.at(-1).toFixed(2)} ${s.first.at(-1).toFixed(2)} ${s.all.at(-1).toFixed(2)} ${s.processor.at(-1).toFixed(2)}`);
       }
