@@ -86,7 +86,9 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   keep.resize(room.gaussians.model.size(), 1);
   rest.resize(room.gaussians.model.size(), 0);
   keep_part(room, keep, vertices, 0);
-  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), {}, pool);
+  CrumbOptions joining;
+  joining.majority = 0;  // nothing may stay of an object that is gone
+  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), joining, pool);
   join_crumbs(room.gaussians, {}, pool);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);

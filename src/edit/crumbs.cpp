@@ -56,16 +56,19 @@ size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows
     for (size_t m = 0; m < marked.size(); ++m) {
       const uint32_t i = marked[m];
       if (!before[i]) continue;
+      double all = 0;
       std::map<std::pair<uint16_t, uint16_t>, double> votes;
       for (size_t slot = k * m; slot < k * (m + 1); ++slot) {
         const uint32_t j = graph.index[slot];
         const uint16_t label = room.labels.label[j], instance = room.labels.instance[j];
+        all += weights[slot];
         if (before[j] || label == kNoLabel || instance == 0 || (may_join && !may_join(i, label))) continue;
         votes[{label, instance}] += weights[slot] * (label == room.labels.label[i] ? options.own_class : 1);
       }
       if (votes.empty()) continue;
       const auto best = std::max_element(votes.begin(), votes.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
+      if (best->first.first != room.labels.label[i] && best->second < options.majority * all) continue;
       std::tie(room.labels.label[i], room.labels.instance[i]) = best->first;
       open[i] = 0;
       moved = true;

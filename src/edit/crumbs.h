@@ -16,6 +16,9 @@ struct CrumbOptions {
   double small = 0.03;   ///< / extent: diagonal of a small box (9 cm in a room)
   int neighbours = 16;   ///< that vote on the object a crumb joins
   double own_class = 2;  ///< weight of the votes of its own class
+  /// share of all its neighbours' votes that an object of another class needs. Pieces of a wall without a plane lie
+  /// among their like.
+  double majority = 0.5;
   /// sRGB difference (norm over 3 channels) beyond which a neighbour hardly counts; 0: colours say nothing
   double color_sigma = 0;
   int rounds = 0;  ///< most steps from the outside of a group inwards; 0: until nothing changes
@@ -25,8 +28,8 @@ struct CrumbOptions {
 using MayJoin = std::function<bool(uint32_t row, uint16_t label)>;
 
 /// Crumbs are objects that are too small, and Gaussians with a class and no object. They get the class and the object
-/// of most of their neighbours, by opacity. Crumbs without a neighbour that has an object stay. Numbers of other objects
-/// do not change. Returns how many Gaussians have joined another object.
+/// of most of their neighbours, by opacity. Crumbs stay that have no neighbour with an object, or no majority for
+/// another class. Numbers of other objects do not change. Returns how many Gaussians have joined another object.
 size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool);
 
 /// 1 for the rows of crumbs.

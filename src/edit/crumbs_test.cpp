@@ -55,6 +55,14 @@ TEST_F(Crumbs, ThingsOfASensibleSizeStay) {
   EXPECT_EQ(gaussians_of(kBed, 1), 80u);
 }
 
+TEST_F(Crumbs, GaussiansAmongTheirLikeJoinNoOtherClass) {
+  relabel({1, 0, 0.6f}, 60, kBed, 0);
+  CrumbOptions options;
+  options.majority = 0.9;  // of a flat patch, also its rim lies among its like
+  join_crumbs(room_.gaussians, options, pool_);
+  EXPECT_GT(small_room::count_label(room_, kBed), 30u);
+}
+
 TEST_F(Crumbs, NothingIsLeftOfADeletedObject) {
   relabel({1, 0, 0.6f}, 1, small_room::kPillow, 1);  // a speck in the floor that the selection leaves out
   EditOperation edit;

@@ -11,6 +11,7 @@
 #include "edit/inserted_object.h"
 #include "edit/motion_text.h"
 #include "edit/selection_words.h"
+#include "edit/spoken_edit.h"
 
 namespace aligngs {
 namespace {
@@ -145,7 +146,7 @@ void read_source(EditOperation& edit, std::string& text) {
 
 /// The number of "undo the second edit", "undo #2", "undo 2nd"; nothing where the words say no number.
 std::optional<size_t> undo_number(std::string words) {
-  for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. "}) {
+  for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. ", " that ", " it ", " my "}) {
     words = " " + words + " ";
     for (size_t at = words.find(filler); at != std::string::npos; at = words.find(filler))
       words.replace(at, filler.size(), " ");
@@ -198,9 +199,7 @@ EditOperation parse_edit(std::string_view given) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
   trim(text);
-  while (!text.empty() && (text.back() == '.' || text.back() == '!')) text.pop_back();
-  constexpr std::string_view kPlease = "please ";
-  if (lower_case(text).rfind(kPlease, 0) == 0) text.erase(0, kPlease.size());
+  text = plain_edit(std::move(text));
   trim(text);
   const size_t verb_end = std::min(text.find(' '), text.size());
   std::string verb = lower_case(text.substr(0, verb_end));

@@ -78,7 +78,8 @@ const std::regex& a_length_alone() {
 
 const std::regex& by_degrees() {
   static const std::regex pattern(
-      "^(.*?\\S)( +by)? +([-+.0-9]+)( *degrees?| *deg| *\xc2\xb0)?( +(counter-?clockwise|clockwise))?$",
+      "^(.*?\\S)( +by)? +([-+.0-9]+)( *degrees?| *deg| *\xc2\xb0)?( +(counter-?clockwise|clockwise|(?:to +the "
+      "+)?(?:left|right)))?$",
       std::regex::icase);
   return pattern;
 }
@@ -161,7 +162,8 @@ std::optional<double> take_turn(std::string& text) {
   std::smatch match;
   if (!std::regex_match(text, match, by_degrees())) return {};
   const double turn = parse_turn(match[3].str());
-  const bool clockwise = lower(match[6].str()) == "clockwise";
+  const std::string side = lower(match[6].str());  // a turn to the left is counter-clockwise
+  const bool clockwise = side == "clockwise" || (side.size() >= 5 && side.compare(side.size() - 5, 5, "right") == 0);
   text = std::string(match[1].str());
   return clockwise ? -turn : turn;
 }

@@ -155,15 +155,16 @@ size_t correct_shell_labels(LabelledGaussians& room, const LabelSet& labels, con
   shell.measure(pool);
   size_t changed = shell.swap_planes();
   const std::vector<uint8_t> proud = shell.proud_rows();
-  std::vector<uint8_t> rows = crumb_rows(room, {});
-  for (size_t i = 0; i < rows.size(); ++i) rows[i] |= proud[i];
+  std::vector<uint8_t> crumbs = crumb_rows(room, {});
+  for (size_t i = 0; i < crumbs.size(); ++i) crumbs[i] = crumbs[i] && !proud[i];
+  const MayJoin may_join = [&](uint32_t row, uint16_t label) { return shell.may_join(row, label); };
   CrumbOptions join;
   join.color_sigma = options.color_sigma;
   join.rounds = options.reach;
   std::vector<uint8_t> open;
-  changed += join_neighbours(
-      room, rows, join, pool, [&](uint32_t row, uint16_t label) { return shell.may_join(row, label); }, &open);
-  for (size_t i = 0; i < open.size(); ++i) open[i] = open[i] && !proud[i];
+  changed += join_neighbours(room, crumbs, join, pool, may_join, &open);
+  join.majority = 0;  // nothing is in front of a wall for long
+  changed += join_neighbours(room, proud, join, pool, may_join);
   return changed + join_neighbours(room, open, {}, pool);
 }
 

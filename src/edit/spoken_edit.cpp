@@ -1,0 +1,69 @@
+#include "edit/spoken_edit.h"
+
+#include <regex>
+#include <utility>
+
+#include "edit/color_names.h"
+
+namespace aligngs {
+namespace {
+
+struct Phrase {
+  const char* pattern;  ///< of the whole sentence, any case
+  const char* plain;
+};
+
+/// The first one that fits is taken.
+constexpr Phrase kPhrases[] = {
+    {"(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase|clear) +(\\S.*)", "delete $1"},
+    {"(?:take|throw) +(\\S.*\\S) +(?:away|out)", "delete $1"},
+    {"make +(\\S.*\\S) +(?:disappear|vanish|go away)", "delete $1"},
+    {"(?:show|keep|leave) +(?:only|just) +(\\S.*)", "keep $1"},
+    {"only +(?:show|keep|leave) +(\\S.*)", "keep $1"},
+    {"change +(?:the +)?colou?r +of +(\\S.*\\S) +(?:in)?to +(\\S.*)", "recolor $1 to $2"},
+    {"(?:put|shift|slide|pull) +(\\S.*)", "move $1"},
+    {"(turn|rotate) +(\\S.*\\S) +(?:around|round)", "$1 $2 by 180"}};
+
+/// Takes courtesies off both ends.
+std::string without_courtesy(std::string text) {
+  static const std::regex before(
+      "^(?:please|(?:could|can|would|will) you|i (?:want|would like|'d like)(?: you)? to|i'd like(?: you)? to|now)[ ,]+",
+      std::regex::icase);
+  static const std::regex after("[ ,]+please$|[ ?.!]+$", std::regex::icase);
+  for (size_t length = 0; length != text.size();) {
+    length = text.size();
+    text = std::regex_replace(text, before, "", std::regex_constants::format_first_only);
+    text = std::regex_replace(text, after, "", std::regex_constants::format_first_only);
+  }
+  return text;
+}
+
+/// "Make X dark green" and "turn X red" for "recolor X dark green".
+std::string with_color_verb(const std::string& text) {
+  static const std::regex pattern("^(?:make|turn|dye) +(\\S.*)$", std::regex::icase);
+  std::smatch match;
+  if (!std::regex_match(text, match, pattern)) return text;
+  std::string object = match[1].str();
+  return take_color(object) && !object.empty() ? "recolor " + match[1].str() : text;
+}
+
+}  // namespace
+
+std::string plain_edit(std::string text) {
+  constexpr size_t kLongestSpoken = 400;  // bytes: longer texts are lists, and the patterns recurse over each letter
+  if (text.size() > kLongestSpoken) return text;
+  text = without_courtesy(std::move(text));
+  for (const Phrase& phrase : kPhrases) {
+    const std::regex pattern(phrase.pattern, std::regex::icase);
+    if (!std::regex_match(text, pattern)) continue;
+    text = std::regex_replace(text, pattern, phrase.plain);
+    break;
+  }
+  static const std::regex half("\\bhalf an? +(?=met(?:re|er)|foot)", std::regex::icase);
+  static const std::regex one("\\b(?:one|an?) +(?=met(?:re|er)|foot\\b)", std::regex::icase);
+  text = std::regex_replace(text, half, "0.5 ");
+  text = std::regex_replace(text, one, "1 ");
+  return with_color_verb(text);
+}
+
+}  // namespace aligngs
