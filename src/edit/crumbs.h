@@ -16,8 +16,7 @@ struct CrumbOptions {
   double small = 0.03;   ///< / extent: diagonal of a small box (9 cm in a room)
   int neighbours = 16;   ///< that vote on the object a crumb joins
   double own_class = 2;  ///< weight of the votes of its own class
-  /// share of all its neighbours' votes that an object of another class needs. Pieces of a wall without a plane lie
-  /// among their like.
+  /// share of all its neighbours' votes that an object of another class needs. Crumbs of a wall lie among their like.
   double majority = 0.5;
   /// sRGB difference (norm over 3 channels) beyond which a neighbour hardly counts; 0: colours say nothing
   double color_sigma = 0;
