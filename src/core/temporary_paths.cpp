@@ -44,6 +44,11 @@ void forget_temporary_path(const fs::path& path) {
   paths().erase(path);
 }
 
+bool is_noted_temporary_path(const fs::path& path) {
+  const auto lock = hold_temporary_paths();
+  return paths().count(path) > 0;
+}
+
 std::unique_lock<std::recursive_mutex> hold_temporary_paths() { return std::unique_lock(mutex()); }
 
 void remove_temporary_paths() {

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/abandoned_paths.h"
 #include "io/file_system_error.h"
 #include "io/output_place.h"
 #include "io/waiting_file.h"
@@ -48,6 +49,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     throw_resources(path_, "cannot create the folder " + folder_of(path_).string() + ": " + error.message(),
                     remedy_for_write(error.value()));
   }
+  remove_abandoned_file(path_);
   temporary_ = temporary_beside(path_, ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
   note_temporary_path(temporary_);
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -56,6 +58,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     forget_temporary_path(temporary_);
     throw_resources(path_, "cannot create the file: " + system_message(code), remedy_for_write(code));
   }
+  lock_temporary(descriptor_);
 }
 
 AtomicFile::~AtomicFile() {

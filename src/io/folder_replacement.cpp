@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-fs::path beside(const fs::path& target, const char* suffix) {
-  return temporary_beside(target, suffix + std::to_string(::getpid()));
+fs::path beside(const fs::path& target, const char* end) {
+  return temporary_beside(target, ".tmp-" + std::to_string(::getpid()) + end);
 }
 
 /// Two folders change places, or the first takes the free place of the second. False where the system or the disk
@@ -32,12 +32,16 @@ bool exchange(const fs::path& a, const fs::path& b, bool replaced) {
 }  // namespace
 
 FolderReplacement::FolderReplacement(const fs::path& target) : target_(real_place(target)) {
-  temporary_ = beside(target_, ".tmp-");
+  remove_abandoned(target_);
+  temporary_ = beside(target_, "");
   note_temporary_path(temporary_);
   std::error_code error;
   fs::remove_all(temporary_, error);
   if (!error) fs::create_directories(temporary_, error);
-  if (!error) return;
+  if (!error) {
+    lock_.emplace(temporary_);
+    return;
+  }
   forget_temporary_path(temporary_);
   throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
 }
@@ -72,7 +76,7 @@ void FolderReplacement::commit() {
 
 /// The old folder moves aside first: rename() does not replace a folder that is not empty.
 void FolderReplacement::move_in_two_steps(bool replaced, std::error_code& error) {
-  const fs::path old = beside(target_, ".old.tmp-");
+  const fs::path old = beside(target_, ".old");
   error.clear();
   if (replaced) fs::rename(target_, old, error);
   if (!error) fs::rename(temporary_, target_, error);

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <system_error>
+
+#include "io/abandoned_paths.h"
 
 namespace aligngs {
 
@@ -25,6 +28,7 @@ class FolderReplacement {
   void move_in_two_steps(bool replaced, std::error_code& error);
 
   std::filesystem::path target_, temporary_;
+  std::optional<TemporaryFolderLock> lock_;
 };
 
 }  // namespace aligngs

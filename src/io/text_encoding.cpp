@@ -105,6 +105,9 @@ std::string_view text_of_file(std::string_view content, const std::filesystem::p
   for (const std::string_view mark : {"\xff\xfe", "\xfe\xff"}) {
     if (content.substr(0, mark.size()) == mark) throw_bad_input(file, "", "this text is in UTF-16", "save it as UTF-8");
   }
+  if (content.find('\0') != std::string_view::npos)
+    throw_bad_input(file, "", "this text holds zero bytes: it is in UTF-16, or damaged",
+                    "save it as UTF-8, or copy the file again");
   return without_byte_order_mark(content);
 }
 

@@ -19,7 +19,8 @@ std::u32string characters_of_utf8(std::string_view text);
 std::string utf8_of_characters(std::u32string_view characters);
 /// Without the byte order mark that Windows programs put before UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);
-/// The same for the content of a file; Error{kBadInput} where its mark is that of UTF-16.
+/// The same for the content of a file. Error{kBadInput} where its mark is that of UTF-16, or where it holds zero bytes.
+/// UTF-16 without a mark has those, and so have files that a disk or a connection filled up.
 std::string_view text_of_file(std::string_view content, const std::filesystem::path& file);
 
 }  // namespace aligngs

@@ -53,5 +53,15 @@ TEST(TextEncoding, Utf16IsNamed) {
   }
 }
 
+TEST(TextEncoding, ZeroBytesAreNoText) {
+  try {
+    text_of_file(std::string_view("1 0 0\0\0\0", 8), "pose.txt");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_EQ(error.details().message, "this text holds zero bytes: it is in UTF-16, or damaged");
+  }
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -62,7 +62,9 @@ class PartFile {
   ~PartFile() {
     close(descriptor_);
     std::error_code error;
-    if (size() == 0) fs::remove(path_, error);  // nothing to go on from
+    if (size() > 0) return;  // something to go on from
+    fs::remove(path_, error);
+    fs::remove(note(), error);
   }
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
@@ -72,6 +74,20 @@ class PartFile {
     const uintmax_t bytes = fs::file_size(path_, error);
     return error ? 0 : uint64_t(bytes);
   }
+  /// The version of the file on the server. A part without it might be continued by another version.
+  void write_note(const std::string& etag) {
+    std::ofstream out(note(), std::ios::trunc);
+    out << etag;
+    out.close();
+    if (!out) fail();
+  }
+  std::string read_note() const {
+    std::string etag;
+    std::ifstream in(note());
+    std::getline(in, etag);
+    return etag;
+  }
+  /// An empty part does not outlive this object.
   void clear() {
     if (ftruncate(descriptor_, 0) != 0) fail();
   }
@@ -89,6 +105,7 @@ class PartFile {
   }
 
  private:
+  fs::path note() const { return path_.string() + ".etag"; }
   [[noreturn]] void fail() const {
     throw_resources(path_, std::strerror(errno),
                     "free space there, or choose another folder with ALIGNGS_MODELS; run the same "
@@ -158,8 +175,7 @@ size_t on_body(char* data, size_t size, size_t count, void* user) {
         transfer.part->clear();
         transfer.offset = 0;
       }
-      const fs::path note = part_of(transfer.request->target).string() + ".etag";
-      std::ofstream(note, std::ios::trunc) << transfer.etag;
+      if (transfer.part->read_note() != transfer.etag) transfer.part->write_note(transfer.etag);
     }
     transfer.part->append(data, size * count);
   } catch (...) {
@@ -270,9 +286,7 @@ uint64_t download_to_part(const DownloadRequest& request) {
     std::unique_ptr<curl_slist, CurlFree> headers;
     if (transfer.offset > 0) {
       curl_easy_setopt(curl.get(), CURLOPT_RANGE, fmt::format("{}-", transfer.offset).c_str());
-      std::string etag;
-      std::ifstream note(part_of(request.target).string() + ".etag");
-      std::getline(note, etag);
+      const std::string etag = part.read_note();
       if (!etag.empty() && etag.rfind("W/", 0) != 0) {  // weak tags cannot guard a range
         headers.reset(curl_slist_append(nullptr, ("If-Range: " + etag).c_str()));
         curl_easy_setopt(curl.get(), CURLOPT_HTTPHEADER, headers.get());
@@ -312,10 +326,11 @@ uint64_t download_to_part(const DownloadRequest& request) {
     throw Error({ErrorKind::kFailed, request.url + ": the server sent an empty file", part_of(request.target), "",
                  "try again later, or another mirror"});
   if (request.expected_bytes > 0 && bytes != request.expected_bytes) {
+    part.clear();
     throw Error(
         {ErrorKind::kFailed,
          fmt::format("{}: the file has {} bytes, the published one {}", request.url, bytes, request.expected_bytes),
-         part_of(request.target), "", "remove this file and try again, or another mirror"});
+         part_of(request.target), "", "try again later, or another mirror; what was downloaded has been removed"});
   }
   return bytes;
 }

@@ -1,7 +1,9 @@
 #include "priors/http_download.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <fstream>
 
 #include "core/error.h"
@@ -21,6 +23,24 @@ std::string random_looking(size_t bytes) {
   for (char& c : text) c = char((state = state * 1664525u + 1013904223u) >> 24);
   return text;
 }
+
+/// While one lives, no file of this process can grow, much as on a full disk.
+class NoFileGrows {
+ public:
+  NoFileGrows() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit none{0, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+  }
+  ~NoFileGrows() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
 
 class HttpDownload : public testing::Test {
  protected:
@@ -169,6 +189,25 @@ TEST_F(HttpDownload, AFileOfAnotherSizeThanThePublishedOneIsRefused) {
   DownloadRequest r = request(server);
   r.expected_bytes = body.size() + 1;
   EXPECT_EQ(kind_of(r), ErrorKind::kFailed);
+}
+
+TEST_F(HttpDownload, AFileOfAnotherSizeDoesNotStandInTheWayOfTheRightOne) {
+  LoopbackServer wrong([&](const std::string&, int) { return LoopbackAnswer{body + "more"}; });
+  DownloadRequest r = request(wrong);
+  r.expected_bytes = body.size();
+  kind_of(r);
+  EXPECT_TRUE(fs::is_empty(folder / "model"));
+  LoopbackServer right([&](const std::string&, int) { return LoopbackAnswer{body}; });
+  r.url = right.url() + "/weights.bin";
+  EXPECT_EQ(download_to_part(r), body.size());
+}
+
+TEST_F(HttpDownload, ADiskThatIsFullAtTheFirstByteLeavesNothing) {
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{body}; });
+  const DownloadRequest r = request(server);
+  const NoFileGrows limit;
+  EXPECT_EQ(kind_of(r), ErrorKind::kResources);
+  EXPECT_TRUE(fs::is_empty(folder / "model"));
 }
 
 TEST_F(HttpDownload, AFolderThatCannotBeMadeIsAResourceError) {

@@ -78,6 +78,8 @@ void require_space(const fs::path& folder, const fs::path& part, uint64_t bytes)
       "free space there, or choose another folder with ALIGNGS_MODELS");
 }
 
+fs::path importing(const fs::path& target) { return target.string() + ".importing"; }
+
 std::string url_of(const ModelFile& file, const std::string& mirror) {
   if (mirror.empty()) return file.url;
   return mirror + (mirror.back() == '/' ? "" : "/") + file.name;
@@ -87,6 +89,8 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
                    const ModelDownloadOptions& options) {
   const fs::path target = store.own_path(model, file);
   const fs::path part = part_of(target);
+  std::error_code ignored;
+  fs::remove(importing(target), ignored);  // of an import that was killed
   require_space(target.parent_path(), part, file.bytes);
   DownloadRequest request;
   request.url = url_of(file, options.mirror);
@@ -95,7 +99,6 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
   request.attempts = options.attempts;
   request.first_pause = options.first_pause;
   if (request.url.rfind("https://huggingface.co/", 0) == 0) request.bearer_token = options.huggingface_token;
-  std::error_code ignored;
   const uintmax_t there = fs::file_size(part, ignored);
   const uint64_t start = ignored ? 0 : uint64_t(there);
   if (start > 0) log_info("{}: going on after {}", file.name, format_bytes(start));
@@ -143,7 +146,7 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
 /// A file that is being copied: it takes its place, or is removed.
 class ImportedFile {
  public:
-  explicit ImportedFile(const fs::path& target) : target_(target), temporary_(target.string() + ".importing") {
+  explicit ImportedFile(const fs::path& target) : target_(target), temporary_(importing(target)) {
     note_temporary_path(temporary_);  // gigabytes, which take longer to copy than a signal waits
   }
   ~ImportedFile() {

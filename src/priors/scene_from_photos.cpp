@@ -13,6 +13,7 @@
 #include "core/log.h"
 #include "core/memory_budget.h"
 #include "core/temporary_paths.h"
+#include "io/abandoned_paths.h"
 #include "io/image_file.h"
 #include "io/resample.h"
 #include "io/text_encoding.h"
@@ -36,18 +37,22 @@ namespace {
 
 constexpr size_t kFewestPlaced = 3;  // two views leave most of a room unseen twice
 
-/// A folder beside the scene for what is needed on the way; removed unless the program COLMAP
-/// failed, whose messages it holds.
+/// A folder beside the scene for what is needed on the way. It is removed unless the program COLMAP failed. Then it holds
+/// the messages until the next call.
 class WorkFolder {
  public:
   explicit WorkFolder(const fs::path& scene) {
     fs::path beside = fs::absolute(scene).lexically_normal();
     if (!beside.has_filename()) beside = beside.parent_path();  // "scene/"
+    remove_abandoned(beside);
     path_ = temporary_beside(beside, ".work-" + std::to_string(getpid()));
     note_temporary_path(path_);
     std::error_code error;
     fs::create_directories(path_, error);
-    if (!error) return;
+    if (!error) {
+      lock_.emplace(path_);
+      return;
+    }
     forget_temporary_path(path_);
     throw_resources(path_, error.message(), "choose a folder that you may write to");
   }
@@ -63,6 +68,7 @@ class WorkFolder {
 
  private:
   fs::path path_;
+  std::optional<TemporaryFolderLock> lock_;
 };
 
 bool is_test(size_t index, int test_every) { return test_every > 0 && index % size_t(test_every) == 0; }

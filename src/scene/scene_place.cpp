@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/abandoned_paths.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
 #include "io/json_text.h"
@@ -31,9 +32,6 @@ constexpr std::array<std::string_view, 13> kSceneEntries = {
     "images",   "masks",       "sparse",     "pred_depths", "pred_confidence", "segmentation_logits",
     "segments", "priors.json", "split.json", "scene.json",  "labels.csv",      "exposure.json",
     "truth"};
-
-/// Left by a command that was killed (core/temporary_paths.h).
-bool is_left_over(const std::string& name) { return name.find(".tmp-") != std::string::npos; }
 
 bool is_entry_of_scene(const std::string& name) {
   return std::find(kSceneEntries.begin(), kSceneEntries.end(), name) != kSceneEntries.end();
@@ -65,7 +63,7 @@ void keep_files_of_others(const fs::path& former, const fs::path& next) {
   std::string kept;
   for (const auto& entry : fs::directory_iterator(former)) {
     const std::string name = entry.path().filename().string();
-    if (is_entry_of_scene(name) || is_left_over(name)) continue;
+    if (is_entry_of_scene(name) || is_temporary_name(name)) continue;
     keep(entry.path(), next / name);
     kept += (kept.empty() ? "" : ", ") + name;
   }

@@ -100,7 +100,14 @@ ViewUp view_up(const Rigidd& world_to_camera, int orientation) {
   return {to_world.translation, to_world.rotation * up};
 }
 
-bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up) { return dot(sum_of_ups(views), up) >= 0; }
+bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up, bool measured) {
+  constexpr double kAgreed = 0.8;  // of the number of cameras: ups that lie within about 40 degrees of their mean
+  constexpr double kCosConvention = 0.5;  // 60 degrees
+  constexpr double kCosMeasured = -0.5;   // 120 degrees: upside down, and no photo that was held upright
+  const Vec3d sum = sum_of_ups(views);
+  if (norm(sum) < kAgreed * static_cast<double>(views.size()) || views.empty()) return dot(sum, up) >= 0 || measured;
+  return dot(normalized(sum), up) >= (measured ? kCosMeasured : kCosConvention);
+}
 
 std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor,
                                        const std::vector<Vec3d>& points) {

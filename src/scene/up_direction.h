@@ -28,7 +28,10 @@ ViewUp view_up(const Rigidd& world_to_camera, int orientation = 1);
 std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor,
                                        const std::vector<Vec3d>& points);
 
-/// Whether a convention's up agrees with the cameras: it is not below their horizon on the mean.
-bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up);
+/// Whether the up that a layout gives agrees with the cameras. `measured`: a sensor of gravity gave it. Then nothing but
+/// cameras that hang upside down on the mean contradict. Else it is a convention that not every file keeps: cameras
+/// whose ups agree with each other contradict from 60 degrees on. Photos that were held upright and stored lying have ups
+/// that cancel each other as the camera turns: they say nothing.
+bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up, bool measured);
 
 }  // namespace aligngs

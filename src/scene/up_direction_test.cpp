@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/quaternion.h"
 #include "core/random.h"
 
 namespace aligngs {
@@ -70,6 +71,30 @@ TEST(UpDirection, WithoutPointsTheCamerasDecide) {
 TEST(UpDirection, CamerasThatCancelEachOtherSayNothing) {
   EXPECT_FALSE(estimate_up({{{}, {0, 0, 1}}, {{}, {0, 0, -1}}}, {}, {}));
   EXPECT_FALSE(estimate_up({}, {}, {}));
+}
+
+/// Cameras that look along the horizon and turn in place, their up as given for each turn.
+std::vector<ViewUp> level_cameras(const Vec3d& up, double turn) {
+  std::vector<ViewUp> views;
+  for (int i = 0; i < 8; ++i)
+    views.push_back({{}, rotation_matrix(Quaterniond{std::cos(turn * i / 2), 0, 0, std::sin(turn * i / 2)}) * up});
+  return views;
+}
+
+TEST(UpOfALayout, AConventionThatTheCamerasContradictDoesNotCount) {
+  EXPECT_TRUE(agrees_with(ring(12), kUp, false));
+  EXPECT_FALSE(agrees_with(level_cameras({0, 0, 1}, 0.5), {0, 1, 0}, false)) << "a world whose up is +z, not +y";
+  EXPECT_FALSE(agrees_with(level_cameras({0, 0, -1}, 0.5), {0, 0, 1}, false));
+}
+
+TEST(UpOfALayout, PhotosThatWereHeldUprightSayNothing) {
+  constexpr double kHalfCircle = 3.14159265358979 / 8;  // an eighth of it for each of eight cameras
+  EXPECT_TRUE(agrees_with(level_cameras({0, 1, 0}, 2 * kHalfCircle), {0, 0, 1}, false));
+}
+
+TEST(UpOfALayout, ASensorIsContradictedByCamerasUpsideDownAlone) {
+  EXPECT_TRUE(agrees_with(level_cameras({0, 1, 0}, 0.05), {0, 0, 1}, true));
+  EXPECT_FALSE(agrees_with(level_cameras({0, 0, -1}, 0.05), {0, 0, 1}, true));
 }
 
 TEST(ViewUp, FollowsTheOrientationInWhichAPictureWasHeld) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "io/abandoned_paths.h"
 #include "io/output_place.h"
 #include "train/replaceable_file.h"
 #include "train/run_record.h"
@@ -24,18 +25,6 @@ constexpr std::array<std::string_view, 24> kProducts = {
     "log.txt",   "control",      "live",          "room.json",    "page.json",       "selections.json"};
 constexpr std::string_view kExport = "scene.glb";  // the product that is an export, too
 constexpr std::string_view kSceneFolder = "scene";
-constexpr std::string_view kTemporary = ".tmp-";  // io/atomic_file.h
-
-bool is_temporary(const std::string& name) { return name.find(kTemporary) != std::string::npos; }
-
-void remove_temporaries(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (is_temporary(entry.path().filename().string()) && entry.is_regular_file(error)) found.push_back(entry.path());
-  }
-  for (const fs::path& path : found) fs::remove(path, error);
-}
 
 }  // namespace
 
@@ -61,7 +50,7 @@ void RunFolder::check(RunMode mode) const {
   for (const auto& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();
     // In a run folder people may keep notes of their own.
-    if (has_run() || name == kSceneFolder || is_temporary(name)) continue;
+    if (has_run() || name == kSceneFolder || is_temporary_name(name)) continue;
     throw Error({ErrorKind::kUsage, "the folder is not empty and holds no run of aligngs", folder_ / name, "-o",
                  "name a new or empty folder"});
   }
@@ -103,8 +92,8 @@ void RunFolder::prepare(RunMode mode) const {
       if (error) throw_resources(folder_ / *product, "the old run cannot be removed: " + error.message());
     }
   }
-  remove_temporaries(folder_);
-  remove_temporaries(checkpoints());
+  remove_abandoned_in(folder_);
+  remove_abandoned_in(checkpoints());
 }
 
 }  // namespace aligngs

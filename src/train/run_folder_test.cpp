@@ -131,10 +131,10 @@ TEST_F(RunFolderTest, OverwriteRemovesTheRunButNotTheSceneOrNotes) {
 
 TEST_F(RunFolderTest, ResumeKeepsTheRunAndClearsTemporaryFiles) {
   const fs::path run = make_run();
-  std::ofstream(run / "checkpoints" / "step_000002.safetensors.tmp-7-1") << "half";
+  std::ofstream(run / "checkpoints" / "step_000002.safetensors.tmp-2147483646-1") << "half";  // no process has it
   RunFolder(run).prepare(RunMode::kResume);
   EXPECT_TRUE(fs::exists(run / "scene.ply"));
-  EXPECT_FALSE(fs::exists(run / "checkpoints" / "step_000002.safetensors.tmp-7-1"));
+  EXPECT_FALSE(fs::exists(run / "checkpoints" / "step_000002.safetensors.tmp-2147483646-1"));
 }
 
 TEST_F(RunFolderTest, RecordRoundTripsAndKeepsForeignFields) {

@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/abandoned_paths.h"
 #include "io/atomic_file.h"
 #include "io/drawn_picture.h"
 #include "io/file_system_error.h"
@@ -78,8 +79,9 @@ VideoWriter::VideoWriter(fs::path file, int width, int height, double rate) : fi
   fs::create_directories(file_.parent_path(), error);
   if (error)
     throw_resources(file_, "the folder cannot be created: " + error.message(), remedy_for_write(error.value()));
+  remove_abandoned(file_);
   temporary_ = temporary_beside(file_, ".tmp-" + std::to_string(::getpid()));
-  log_ = temporary_beside(file_, ".log.tmp-" + std::to_string(::getpid()));
+  log_ = temporary_beside(file_, ".tmp-" + std::to_string(::getpid()) + ".log");
   note_temporary_path(temporary_);
   note_temporary_path(log_);
   const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);

@@ -52,6 +52,7 @@ struct Capture {
   std::optional<DepthCamera> depth_camera;  ///< empty: depth is registered to colour
   bool metric = false;                      ///< scene units are metres
   std::optional<Vec3d> up;                  ///< world, unit
+  bool up_measured = false;                 ///< by a sensor of gravity, as telephones have
   std::string up_source;                    ///< where it comes from, e.g. "ScanNet's convention (+z)"
   std::optional<Similarity> to_original;    ///< from this world to the files' own, where it was moved or scaled
   std::filesystem::path mesh;               ///< reference mesh in the files' own world; empty when there is none

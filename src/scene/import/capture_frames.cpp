@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "io/image_file.h"
 #include "io/text_encoding.h"
+#include "io/unicode_letters.h"
 #include "scene/import/capture_text.h"
 #include "scene/lens_model.h"
 #include "scene/photo_fit.h"
@@ -198,7 +199,24 @@ int FrameNames::find(const std::string& name) const {
     }
     if (count == 1) return found;
   }
-  return -1;
+  return by_spelling(name);
+}
+
+int FrameNames::by_spelling(const std::string& name) const {
+  const auto spelled = [](std::vector<std::string> parts) {
+    for (std::string& part : parts) part = common_spelling(part);
+    return parts;
+  };
+  int found = -1;
+  for (const std::string& wanted : {as_utf8(slashed_name(name)), view_name_of(name)}) {
+    const std::vector<std::string> parts = spelled(parts_of(wanted));
+    for (size_t i = 0; i < parts_.size(); ++i) {
+      if (spelled(parts_[i]) != parts || found == static_cast<int>(i)) continue;
+      if (found >= 0) return -1;
+      found = static_cast<int>(i);
+    }
+  }
+  return found;
 }
 
 void shorten_names(Capture& capture) {
@@ -230,6 +248,7 @@ void shorten_names(Capture& capture) {
 }
 
 void finish_capture(Capture& capture) {
+  for (CapturedFrame& frame : capture.frames) frame.name = as_utf8(frame.name);
   leave_out_repeated(capture);
   leave_out_without_depth(capture);
   leave_out_eight_bits(capture);

@@ -50,13 +50,15 @@ std::vector<int> poses_of_numbered(Capture& capture, const std::vector<std::file
                                    const std::filesystem::path& file);
 
 /// Finds the frame of a name in a list: the one of that name, with or without extension. Else the only one whose path
-/// ends like it.
+/// ends like it, else the only one in another spelling (unicode_letters.h).
 class FrameNames {
  public:
   explicit FrameNames(const std::vector<CapturedFrame>& frames);
   int find(const std::string& name) const;  ///< index of the frame; -1: none, or several
 
  private:
+  int by_spelling(const std::string& name) const;
+
   std::vector<std::vector<std::string>> parts_;  ///< of each frame's name
 };
 

@@ -32,6 +32,14 @@ TEST_F(CaptureTest, ReadsTransformsJsonWithOverridesAndDistortion) {
   EXPECT_THAT(capture.test, ElementsAre("b"));
 }
 
+TEST_F(CaptureTest, AMatrixMayBeOneListOfNumbers) {
+  image("images/a.png");
+  write("transforms.json",
+        R"({"fl_x": 30, "cx": 16, "cy": 12, "w": 32, "h": 24, "frames": [{"file_path": "images/a.png",
+            "transform_matrix": [0,1,0,1, 1,0,0,2, 0,0,-1,3, 0,0,0,1]}]})");
+  expect_one_known_camera(read_capture(folder_));
+}
+
 /// A transforms.json of one frame with these further fields.
 class TransformsTest : public CaptureTest {
  protected:

@@ -262,13 +262,13 @@ std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& op
 
 namespace {
 
-/// Up as the layout has it, unless the cameras hang upside down in it; else from the floor or the cameras.
+/// Up as the layout has it, unless the cameras contradict; else from the floor or the cameras.
 void set_up(const Capture& capture, SceneParts& parts) {
   std::vector<ViewUp> views;
   for (const CapturedFrame& frame : capture.frames) {
     views.push_back(view_up(frame.world_to_camera, frame.upright ? 1 : read_image_info(frame.image).orientation));
   }
-  if (capture.up && agrees_with(views, *capture.up)) {
+  if (capture.up && agrees_with(views, *capture.up, capture.up_measured)) {
     parts.description.up = capture.up;
     parts.description.up_source = capture.up_source;
     return;
@@ -383,7 +383,13 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
   }
   set_truth_mesh(capture, parts);
   writer.write(parts);
-  check_as_training_does(writer.folder(), parts.split, report);
+  try {
+    check_as_training_does(writer.folder(), parts.split, report);
+  } catch (const Error& error) {  // about a folder that is gone when somebody reads the message
+    Error::Details details = error.details();
+    if (lies_within(details.path, writer.folder())) details.path = capture.folder;
+    throw Error(details);
+  }
   require_enough_frames();
   writer.commit();
   report.train = parts.split.train->size();

@@ -231,6 +231,22 @@ TEST_F(ImportCaptureTest, WhatTrainingWarnsOfIsReported) {
   EXPECT_THAT(import().warnings, ElementsAre("sparse: there are no points to start from"));
 }
 
+TEST_F(ImportCaptureTest, ARefusalNamesTheSourceAndNoFolderThatIsGone) {
+  for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg"});
+  fs::create_directories(source / "masks");
+  for (const char* name : {"a.jpg.png", "b.jpg.png"})
+    write_png(source / "masks" / name, Image<uint8_t>(kWidth, kHeight, 1, 0));
+  try {
+    import();
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the mask hides the whole image"));
+    EXPECT_THAT(error.what(), testing::Not(HasSubstr(".tmp-")));
+    EXPECT_THAT(error.what(), HasSubstr(source.string()));
+  }
+}
+
 TEST_F(ImportCaptureTest, UpIsRecordedWithItsSource) {
   for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
   model({"a.jpg", "b.jpg"});

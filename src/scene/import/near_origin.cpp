@@ -14,8 +14,8 @@ namespace {
 constexpr double kFarFromOrigin = 100;
 /// Extents, in arbitrary units, that need no scaling: a room in metres has about 5.
 constexpr double kSmallExtent = 1e-2, kLargeExtent = 1e3;
-/// Metres: a room that is larger is one in millimetres.
-constexpr double kLargestRoom = 1e3;
+/// Metres: cameras that spread over twice as much are no tour of rooms, but have positions in millimetres.
+constexpr double kLargestRoom = 100;
 
 /// The middle and half the diagonal of the box between the 5 % and 95 % quantiles, as in robust_extent().
 struct Place {

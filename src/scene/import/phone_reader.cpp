@@ -63,6 +63,7 @@ Capture arkit_capture(const fs::path& folder) {
   capture.folder = folder;
   capture.metric = true;
   capture.up = Vec3d{0, 1, 0};
+  capture.up_measured = true;
   capture.up_source = "ARKit's convention (+y)";
   return capture;
 }

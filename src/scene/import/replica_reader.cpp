@@ -9,6 +9,7 @@
 #include "io/atomic_file.h"
 #include "io/foreign_content.h"
 #include "io/image_file.h"
+#include "io/image_limits.h"
 #include "io/json_text.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
@@ -50,6 +51,8 @@ ReplicaCamera read_camera(const fs::path& folder) {
       throw_bad_input(file, key, "a positive number expected", "correct the value");
     *value = found->get<double>();
   }
+  if (!(camera.w <= kMaxImageSide && camera.h <= kMaxImageSide))
+    throw_bad_input(file, "w, h", "no size of a photo", "the size of the photos in pixels");
   return camera;
 }
 

@@ -36,6 +36,7 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
   capture.folder = folder;
   capture.metric = true;
   capture.up = Vec3d{0, 0, 1};
+  capture.up_measured = true;
   capture.up_source = "ScanNet's convention (+z)";
   const fs::path intrinsic = folder / "intrinsic";
   const std::vector<double> color = read_matrix4(intrinsic / "intrinsic_color.txt");

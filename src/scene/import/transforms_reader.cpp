@@ -50,9 +50,11 @@ Transforms read_document(const fs::path& file) {
 /// well.
 Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& field, double& scale) {
   std::vector<double> m;
-  for (const Json& row : matrix) {
-    if (!row.is_array()) continue;
-    for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
+  for (const Json& row : matrix) {  // rows, or all numbers in one list
+    if (!row.is_array())
+      m.push_back(row.is_number() ? row.get<double>() : NAN);
+    else
+      for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
   }
   if (m.size() != 16 && m.size() != 12) throw_bad_input(file, field, "expected 4x4 numbers", "correct the matrix");
   return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m, file, field, scale));

@@ -7,8 +7,10 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/text_encoding.h"
+#include "io/text_tokens.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/photo_lookup.h"
 
 namespace aligngs {
 
@@ -30,26 +32,34 @@ std::vector<Stamped> read_stamped(const fs::path& file) {
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     ++number;
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream words(line);
+    const std::string_view content = trimmed(line);  // blank lines may hold the line end of Windows
+    if (content.empty() || content[0] == '#') continue;
+    std::istringstream words{std::string(content)};
     Stamped entry;
     if (!(words >> entry.time))
       throw_bad_input(file, "line " + std::to_string(number), "expected a time stamp", "lines are \"time value...\"");
     std::getline(words >> std::ws, entry.rest);
-    while (!entry.rest.empty() && std::isspace(static_cast<unsigned char>(entry.rest.back()))) entry.rest.pop_back();
     lines.push_back(entry);
   }
   return lines;
 }
 
+void sort_by_time(std::vector<Stamped>& lines) {
+  std::stable_sort(lines.begin(), lines.end(), [](const Stamped& a, const Stamped& b) { return a.time < b.time; });
+}
+
+/// Among `lines` in the order of time; of equal ones the first.
 const Stamped* nearest(const std::vector<Stamped>& lines, double time) {
-  const Stamped* best = nullptr;
-  for (const Stamped& line : lines) {
-    if (std::fabs(line.time - time) <= kAssociationSeconds &&
-        (!best || std::fabs(line.time - time) < std::fabs(best->time - time)))
-      best = &line;
+  const auto first_from = [&](double from) {
+    return std::lower_bound(lines.begin(), lines.end(), from, [](const Stamped& s, double t) { return s.time < t; });
+  };
+  const auto after = first_from(time);
+  const Stamped* best = after == lines.end() ? nullptr : &*after;
+  if (after != lines.begin()) {
+    const Stamped& before = *first_from(std::prev(after)->time);
+    if (!best || time - before.time <= best->time - time) best = &before;
   }
-  return best;
+  return best && std::fabs(best->time - time) <= kAssociationSeconds ? best : nullptr;
 }
 
 }  // namespace
@@ -68,20 +78,28 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
   capture.metric = true;
   capture.depth_unit = kDepthUnit;
   const fs::path truth = folder / "groundtruth.txt";
-  const std::vector<Stamped> colors = read_stamped(folder / "rgb.txt"), poses = read_stamped(truth);
-  const std::vector<Stamped> depths =
+  const std::vector<Stamped> colors = read_stamped(folder / "rgb.txt");
+  std::vector<Stamped> poses = read_stamped(truth);
+  std::vector<Stamped> depths =
       fs::exists(folder / "depth.txt") ? read_stamped(folder / "depth.txt") : std::vector<Stamped>{};
+  sort_by_time(poses);
+  sort_by_time(depths);
+  const PhotoLookup files({}, folder);
   for (const Stamped& color : colors) {
-    std::string name = fs::path(color.rest).stem().string();
+    const std::string path = slashed_name(color.rest);
+    std::string name = fs::path(path).stem().string();
     // time stamps hold a dot, which other tools take for the extension
     std::replace(name.begin(), name.end(), '.', '_');
     add_frame(capture, name, [&] {
       CapturedFrame frame;
       frame.name = name;
-      frame.image = folder / color.rest;
+      const PhotoLookup::Answer photo = files.find(path);
+      if (photo.file.empty()) throw_bad_input({}, "", photo.problem, "put the photo where rgb.txt says");
+      frame.image = photo.file;
       const Stamped* pose = nearest(poses, color.time);
       if (!pose) throw_bad_input(truth, "", "no pose within 0.02 s", "nothing, when tracking began later");
-      if (const Stamped* depth = nearest(depths, color.time)) set_depth(frame, folder / depth->rest);
+      if (const Stamped* depth = nearest(depths, color.time))
+        set_depth(frame, files.find(slashed_name(depth->rest)).file);
       std::istringstream words(pose->rest);
       Vec3d t;
       Quaterniond q;

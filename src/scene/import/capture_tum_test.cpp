@@ -1,0 +1,86 @@
+// TUM RGB-D folders as other programs and systems leave them.
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "scene/import/capture_folder_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Two frames, the second a metre to the right of the first.
+class TumTest : public CaptureTest {
+ protected:
+  static constexpr const char* kPoses = "1.00 0 0 0 0 0 0 1\n2.00 1 0 0 0 0 0 1\n";
+
+  Capture read(const std::string& colors, const std::string& poses = kPoses) {
+    write("rgb.txt", colors);
+    write("groundtruth.txt", poses);
+    write("k.txt", "30 0 16\n0 30 12\n0 0 1\n");
+    CaptureOptions options;
+    options.intrinsics = folder_ / "k.txt";
+    return read_capture(folder_, options);
+  }
+  static std::vector<double> places(const Capture& capture) {
+    std::vector<double> x;
+    for (const CapturedFrame& frame : capture.frames) x.push_back(frame.world_to_camera.inverse().translation.x);
+    return x;
+  }
+};
+
+TEST_F(TumTest, BlankLinesAndLineEndsOfWindowsAreNoData) {
+  image("rgb/a.png");
+  image("rgb/b.png");
+  EXPECT_THAT(places(read("# color\r\n\r\n1.0 rgb/a.png\r\n  \r\n2.0 rgb/b.png\r\n\r\n")), ElementsAre(0, 1));
+}
+
+TEST_F(TumTest, BackslashesAreSlashes) {
+  image("rgb/a.png");
+  image("rgb/b.png");
+  depth("depth/a.png", 5000);
+  depth("depth/b.png", 5000);
+  write("depth.txt", "1.0 depth\\a.png\n2.0 depth\\b.png\n");
+  const Capture capture = read("1.0 rgb\\a.png\n2.0 rgb\\b.png\n");
+  EXPECT_THAT(places(capture), ElementsAre(0, 1));
+  EXPECT_EQ(capture.frames[0].name, "a");
+  EXPECT_EQ(capture.frames[1].depth, folder_ / "depth" / "b.png");
+}
+
+TEST_F(TumTest, AnotherExtensionIsFound) {
+  image("rgb/a.PNG");
+  image("rgb/b.jpg");
+  EXPECT_THAT(places(read("1.0 rgb/a.png\n2.0 rgb/b.png\n")), ElementsAre(0, 1));
+}
+
+TEST_F(TumTest, AMissingPhotoLeavesItsFrameOut) {
+  image("rgb/a.png");
+  EXPECT_THAT(reasons(read("1.0 rgb/a.png\n2.0 rgb/b.png\n")), ElementsAre("b: the photo is missing"));
+}
+
+TEST_F(TumTest, PosesNeedNoOrder) {
+  image("rgb/a.png");
+  image("rgb/b.png");
+  const std::string poses = "2.01 9 0 0 0 0 0 1\n2.00 1 0 0 0 0 0 1\n1.00 0 0 0 0 0 0 1\n0.99 8 0 0 0 0 0 1\n";
+  EXPECT_THAT(places(read("1.001 rgb/a.png\n1.999 rgb/b.png\n", poses)), ElementsAre(0, 1));
+}
+
+TEST_F(TumTest, OfTwoPosesOfOneMomentTheFirstCounts) {
+  image("rgb/a.png");
+  EXPECT_THAT(places(read("1.0 rgb/a.png\n", "1.0 0 0 0 0 0 0 1\n1.0 5 0 0 0 0 0 1\n")), ElementsAre(0));
+  EXPECT_THAT(places(read("1.005 rgb/a.png\n", "1.0 0 0 0 0 0 0 1\n1.0 5 0 0 0 0 0 1\n")), ElementsAre(0));
+}
+
+TEST_F(TumTest, ZeroBytesAreNamed) {
+  image("rgb/a.png");
+  try {
+    read(std::string("1.0 rgb/a.png\n\0\0\0", 17));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rgb.txt: this text holds zero bytes"));
+  }
+}
+
+}  // namespace
+}  // namespace aligngs
