@@ -16,15 +16,22 @@ constexpr size_t kLongestText = 4096;  // bytes: hundreds of names
 constexpr int kMostNumbers = 1000;     // objects of one range
 constexpr const char* kSelectionExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
 
-/// "pillow 2" for "pillow#2": the number, where the words before it are a name.
+/// "pillow 2" and "pillows 1 to 3" for "pillow#2" and "pillow#1-3": the numbers, where the words before them are a name.
 std::string_view take_spoken_number(std::string_view& item, const Vocabulary& vocabulary) {
-  const size_t blank = item.find_last_of(" \t");
-  if (blank == std::string_view::npos || object_numbers(item.substr(blank)).first == 0) return {};
-  const std::string_view name = trimmed(item.substr(0, blank));
-  if (!vocabulary.find(name)) return {};
-  const std::string_view number = trimmed(item.substr(blank));
-  item = name;
-  return number;
+  for (size_t blank = item.find_first_of(" \t"); blank != std::string_view::npos;
+       blank = item.find_first_of(" \t", blank + 1)) {
+    const std::string_view name = trimmed(item.substr(0, blank)), numbers = trimmed(item.substr(blank));
+    if (object_numbers(numbers).first == 0 || !vocabulary.find(name)) continue;
+    item = name;
+    return numbers;
+  }
+  return {};
+}
+
+/// "2" after "pillows 1", and "#2" after any name, are of that name.
+bool continues(const std::vector<SelectionTerm>& terms, std::string_view name, std::string_view numbers) {
+  if (terms.empty() || !terms.back().named.empty()) return false;
+  return name.empty() || (numbers.empty() && terms.back().instance > 0 && object_numbers(name).first > 0);
 }
 
 /// Adds the terms of one item.
@@ -39,16 +46,24 @@ void parse_term(std::string_view item, const Vocabulary& vocabulary, std::vector
   }
   if (!vocabulary.find(item)) item = without_quantifier(item);
   if (!vocabulary.find(item)) term.choice = take_choice(item);
+  const int ordinal = vocabulary.find(item) || term.choice != ObjectChoice::kNone ? 0 : take_ordinal(item);
   const size_t hash = item.find('#');
   std::string_view numbers;
+  if (ordinal > 0) {
+    term.label = vocabulary.resolve(item);
+    term.instance = ordinal;
+    terms.push_back(term);
+    return;
+  }
   if (hash != std::string_view::npos) {
     numbers = trimmed(item.substr(hash + 1));
     item = trimmed(item.substr(0, hash));
   } else if (!vocabulary.find(item)) {
     numbers = take_spoken_number(item, vocabulary);
   }
-  if (item.empty() && !terms.empty() && terms.back().named.empty()) {
+  if (!vocabulary.find(item) && continues(terms, item, numbers)) {
     term.label = terms.back().label;
+    if (!item.empty()) numbers = item;
   } else {
     term.label = vocabulary.resolve(item);
   }
@@ -69,13 +84,18 @@ bool is_everything(std::string_view item) {
   return word == "everything" || word == "all";
 }
 
-/// One item between commas; "a and b" is two unless a class is called so.
+/// One item between commas; "a and b" is two unless a class is called so. "And" may also follow a comma.
 void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
                 bool* everything) {
   while (true) {
     item = trimmed(item);
     if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
-    const size_t conjunction = vocabulary.find(item) ? std::string_view::npos : find_word(item, "and", 1);
+    if (const auto [at, length] = find_conjunction(item); at == 0 && !terms.empty() && !vocabulary.find(item)) {
+      item = trimmed(item.substr(length));
+      if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
+    }
+    const auto [conjunction, length] =
+        vocabulary.find(item) ? std::pair(std::string_view::npos, size_t(0)) : find_conjunction(item, 1);
     const std::string_view first = trimmed(item.substr(0, conjunction));
     if (everything && is_everything(first) && !vocabulary.find(first)) {
       *everything = true;
@@ -83,14 +103,14 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
       parse_term(first, vocabulary, terms);
     }
     if (conjunction == std::string_view::npos) return;
-    item.remove_prefix(conjunction + 3);
+    item.remove_prefix(conjunction + length);
   }
 }
 
 void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
                 bool* everything) {
   while (true) {
-    const size_t comma = text.find(',');
+    const size_t comma = text.find_first_of(",;");
     parse_item(text.substr(0, comma), vocabulary, terms, everything);
     if (comma == std::string_view::npos) return;
     text.remove_prefix(comma + 1);
@@ -136,21 +156,13 @@ SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabula
   if (text.find('\0') != std::string_view::npos) throw_usage("the selection holds a zero byte", kSelectionExample);
   text = trimmed(text);
   if (text.empty()) throw_usage("nothing is selected", kSelectionExample);
-  size_t exception = std::string_view::npos, exception_end = 0;
-  for (const std::string_view word : {"but", "except", "without", "excluding"}) {
-    const size_t at = find_word(text, word);
-    if (at < exception) {
-      exception = at;
-      exception_end = at + word.size();
-    }
-  }
+  const auto [exception, length] = find_exception(text);
+  std::string_view included = trimmed(text.substr(0, exception));
+  const bool excludes = exception != std::string_view::npos;
+  if (excludes && !included.empty() && included.back() == ',') included.remove_suffix(1);  // "all lamps, except lamp#2"
   SelectionQuery query;
-  parse_list(text.substr(0, exception), vocabulary, query.include, &query.everything);
-  if (exception != std::string_view::npos) {
-    std::string_view rest = trimmed(text.substr(exception_end));
-    if (find_word(rest, "not") == 0) rest.remove_prefix(3);  // "every lamp but not lamp#2"
-    parse_list(rest, vocabulary, query.exclude, nullptr);
-  }
+  parse_list(included, vocabulary, query.include, &query.everything);
+  if (excludes) parse_list(trimmed(text.substr(exception + length)), vocabulary, query.exclude, nullptr);
   sort_terms(query.include);
   sort_terms(query.exclude);
   if (query.everything) query.include.clear();

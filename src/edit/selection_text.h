@@ -28,10 +28,11 @@ struct SelectionQuery {
   std::vector<SelectionTerm> exclude;  ///< taken away afterwards
 };
 
-/// Grammar: items parted by commas (or "and"). An item is a name, optionally with "#" and object numbers ("bed#2",
-/// "bed#1-3", "bed 2"). "All", "every" or "the" may precede it. "Largest", "smallest", "left", "right", "highest" or
-/// "lowest" before it choose one object. "#2" alone is of the name before it. "everything" or "all" is the
-/// whole room; after "but", "except", "without" or "excluding" are the exclusions. An item that is the name of a
+/// Grammar: items parted by commas (or "and", "or", "&"). An item is a name, optionally with "#" and object numbers
+/// ("bed#2", "bed#1-3", "bed 2", "the second bed"). "All", "every" or "the" may precede it. "Largest", "smallest",
+/// "left", "right", "highest" or "lowest" before it choose one object. "#2" alone is of the name before it, and so is
+/// "2" after a number. "everything" or "all" is the whole room; after "but", "except", "apart from" or the like are the
+/// exclusions. An item that is the name of a
 /// selection (Vocabulary::add_selection) means that selection.
 /// Error{kUsage} for empty text, unknown names (with suggestions), and bad object numbers.
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary);

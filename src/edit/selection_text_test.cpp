@@ -46,6 +46,28 @@ TEST(SelectionText, PeopleSayAllAndEvery) {
   EXPECT_EQ(canonical("all but the walls"), "everything but wall");
 }
 
+TEST(SelectionText, PeopleJoinAndExcludeInManyWords) {
+  for (const char* text :
+       {"bed & lamp", "bed + lamp", "bed or lamp", "bed as well as the lamp", "bed; lamp", "bed, and lamp"})
+    EXPECT_EQ(canonical(text), "bed, lamp") << text;
+  EXPECT_EQ(canonical("bed, lamp, and pillow"), "bed, lamp, pillow");
+  for (const char* text : {"lamps, except lamp#2", "lamps except for lamp#2", "lamps other than lamp#2",
+                           "lamps apart from lamp#2", "lamps save for lamp#2", "lamps minus lamp#2"})
+    EXPECT_EQ(canonical(text), "lamp but lamp#2") << text;
+  EXPECT_EQ(canonical("my bed and those lamps"), "bed, lamp");
+  for (const char* bad : {"and", "bed and", "or lamp", "bed, and", "lamps except", "except lamps"}) refusal(bad);
+}
+
+TEST(SelectionText, PeopleCountInWords) {
+  for (const char* text : {"the second pillow", "2nd pillow", "pillow two", "pillow no. 2", "pillow number 2"})
+    EXPECT_EQ(canonical(text), "pillow#2") << text;
+  EXPECT_EQ(canonical("pillows 1 and 2"), "pillow#1, pillow#2");
+  EXPECT_EQ(canonical("pillows#1,3"), "pillow#1, pillow#3");
+  EXPECT_EQ(canonical("pillows 1 to 3"), "pillow#1-3");
+  EXPECT_EQ(canonical("the 11th pillow"), "pillow#11");
+  for (const char* bad : {"the 0th pillow", "pillow, 2", "pillow zero", "second"}) refusal(bad);
+}
+
 TEST(SelectionText, ARangeIsManyNumbers) {
   EXPECT_EQ(canonical("bed#1-3"), "bed#1-3");
   EXPECT_EQ(canonical("bed #1 to #3"), "bed#1-3");
@@ -57,6 +79,7 @@ TEST(SelectionText, ARangeIsManyNumbers) {
 
 TEST(SelectionText, OneObjectByItsLook) {
   EXPECT_EQ(canonical("the largest chair"), "largest chair");
+  EXPECT_EQ(canonical("the big chair, the smaller lamp"), "largest chair, smallest lamp");
   EXPECT_EQ(canonical("the pillow on the left, chair on the RIGHT"), "right chair, left pillow");
   EXPECT_EQ(canonical("Leftmost pillow and the biggest rug"), "largest rug, left pillow");
   EXPECT_THAT(refusal("the largest chair#2"), HasSubstr("object number"));

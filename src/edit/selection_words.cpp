@@ -10,12 +10,17 @@ namespace {
 
 constexpr int kLargestInstance = 65535;  // ushort in scene.labels.ply
 
-constexpr std::string_view kQuantifiers[] = {
-    "all of the", "each of the", "every one of the", "both of the", "all the", "both the", "all", "every", "each",
-    "both",       "any"};
+constexpr std::string_view kQuantifiers[] = {"all of the",  "each of the", "every one of the",
+                                             "both of the", "all the",     "both the",
+                                             "all",         "every",       "each",
+                                             "both",        "any",         "my",
+                                             "our",         "your",        "this",
+                                             "that",        "these",       "those"};
 
 constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
     {"largest", ObjectChoice::kLargest},   {"biggest", ObjectChoice::kLargest}, {"smallest", ObjectChoice::kSmallest},
+    {"larger", ObjectChoice::kLargest},    {"bigger", ObjectChoice::kLargest},  {"smaller", ObjectChoice::kSmallest},
+    {"large", ObjectChoice::kLargest},     {"big", ObjectChoice::kLargest},     {"small", ObjectChoice::kSmallest},
     {"left", ObjectChoice::kLeft},         {"leftmost", ObjectChoice::kLeft},   {"left most", ObjectChoice::kLeft},
     {"right", ObjectChoice::kRight},       {"rightmost", ObjectChoice::kRight}, {"right most", ObjectChoice::kRight},
     {"highest", ObjectChoice::kHighest},   {"topmost", ObjectChoice::kHighest}, {"upper", ObjectChoice::kHighest},
@@ -23,6 +28,16 @@ constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
 
 constexpr std::pair<std::string_view, ObjectChoice> kPlaces[] = {{" on the left", ObjectChoice::kLeft},
                                                                  {" on the right", ObjectChoice::kRight}};
+
+/// Longer ones before those that they begin with.
+constexpr std::string_view kConjunctions[] = {"as well as", "and", "or", "&", "+", "plus"};
+constexpr std::string_view kExceptions[] = {"except for", "except",     "but",      "without",    "excluding",
+                                            "apart from", "aside from", "save for", "other than", "minus"};
+
+constexpr std::string_view kNumbers[] = {"one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"};
+constexpr std::string_view kOrdinals[] = {"first", "second",  "third",  "fourth", "fifth",
+                                          "sixth", "seventh", "eighth", "ninth",  "tenth"};
+constexpr std::string_view kOrdinalEnds[] = {"st", "nd", "rd", "th"};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
@@ -36,7 +51,13 @@ bool take_phrase(std::string_view& item, std::string_view phrase) {
 
 int number_of(std::string_view text) {
   text = trimmed(text);
+  for (const std::string_view prefix : {"number ", "no. ", "nr. "}) {
+    if (lower_case(text.substr(0, prefix.size())) == prefix) text = trimmed(text.substr(prefix.size()));
+  }
   if (!text.empty() && text.front() == '#') text.remove_prefix(1);
+  for (size_t i = 0; i < std::size(kNumbers); ++i) {
+    if (lower_case(text) == kNumbers[i]) return static_cast<int>(i) + 1;
+  }
   int n = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
   return error != std::errc() || end != text.data() + text.size() || n < 1 || n > kLargestInstance ? 0 : n;
@@ -76,6 +97,34 @@ size_t find_word(std::string_view text, std::string_view word, size_t from) {
   return std::string::npos;
 }
 
+namespace {
+
+/// The first of `words` in `text`; of two at one place the one that comes first in `words`.
+template <class Words>
+std::pair<size_t, size_t> find_first(std::string_view text, const Words& words, size_t from) {
+  std::pair<size_t, size_t> found{std::string_view::npos, 0};
+  for (const std::string_view word : words) {
+    const size_t at = find_word(text, word, from);
+    if (at < found.first) found = {at, word.size()};
+  }
+  return found;
+}
+
+}  // namespace
+
+std::pair<size_t, size_t> find_conjunction(std::string_view text, size_t from) {
+  return find_first(text, kConjunctions, from);
+}
+
+std::pair<size_t, size_t> find_exception(std::string_view text) {
+  auto [at, length] = find_first(text, kExceptions, 0);
+  if (at == std::string_view::npos) return {at, 0};
+  constexpr std::string_view kNot = "not";  // "every lamp but not lamp#2"
+  const size_t next = text.find_first_not_of(" \t\r\n", at + length);
+  if (next != std::string_view::npos && find_word(text, kNot, next) == next) length = next + kNot.size() - at;
+  return {at, length};
+}
+
 std::string_view without_quantifier(std::string_view item) {
   item = trimmed(item);
   for (const std::string_view quantifier : kQuantifiers) {
@@ -98,6 +147,26 @@ ObjectChoice take_choice(std::string_view& item) {
     return choice;
   }
   return ObjectChoice::kNone;
+}
+
+int take_ordinal(std::string_view& item) {
+  std::string_view rest = trimmed(item);
+  take_phrase(rest, "the");
+  for (size_t i = 0; i < std::size(kOrdinals); ++i) {
+    if (!take_phrase(rest, kOrdinals[i])) continue;
+    item = rest;
+    return static_cast<int>(i) + 1;
+  }
+  const std::string word = lower_case(rest.substr(0, rest.find_first_of(" \t")));
+  for (const std::string_view end : kOrdinalEnds) {
+    if (word.size() <= end.size() || word.substr(word.size() - end.size()) != end) continue;
+    const std::string digits = word.substr(0, word.size() - end.size());
+    const int n = digits.find_first_not_of("0123456789") == std::string::npos ? number_of(digits) : 0;
+    if (n == 0 || !take_phrase(rest, word)) continue;
+    item = rest;
+    return n;
+  }
+  return 0;
 }
 
 std::pair<int, int> object_numbers(std::string_view text) {

@@ -23,14 +23,25 @@ std::string lower_case(std::string_view text);
 /// Place of `word` by itself in `text` (any case), from `from` on; npos when nowhere. Blanks and commas part words.
 size_t find_word(std::string_view text, std::string_view word, size_t from = 0);
 
-/// `item` without a quantifier at its begin: "all the beds" and "every bed" are "beds" and "bed". A quantifier alone
-/// stays.
+/// Place and length of the first "and", "or", "&", "+", "plus" or "as well as" that is a word of `text`, from `from` on.
+/// npos and 0 when there is none.
+std::pair<size_t, size_t> find_conjunction(std::string_view text, size_t from = 0);
+
+/// Likewise the first of "but", "except", "apart from", "other than", ..., with a "not" after it.
+std::pair<size_t, size_t> find_exception(std::string_view text);
+
+/// `item` without a quantifier at its begin: "all the beds", "my bed" and "every bed" are "beds" and "bed". A quantifier
+/// alone stays.
 std::string_view without_quantifier(std::string_view item);
 
 /// Takes "the largest", "leftmost", ... off the begin of an item.
 ObjectChoice take_choice(std::string_view& item);
 
-/// First and last object number of "2", "1-3" or "1 to #3"; {0, 0} for anything else. Numbers are 1 to 65535.
+/// Takes "the second" or "2nd" off the begin of an item: its number; 0 where it begins otherwise.
+int take_ordinal(std::string_view& item);
+
+/// First and last object number of "2", "two", "no. 2", "1-3" or "1 to #3"; {0, 0} for anything else. Numbers are 1 to
+/// 65535.
 std::pair<int, int> object_numbers(std::string_view text);
 
 }  // namespace aligngs

@@ -27,7 +27,8 @@ constexpr Phrase kPhrases[] = {
 /// Takes courtesies off both ends.
 std::string without_courtesy(std::string text) {
   static const std::regex before(
-      "^(?:please|(?:could|can|would|will) you|i (?:want|would like|'d like)(?: you)? to|i'd like(?: you)? to|now)[ ,]+",
+      "^(?:please|(?:could|can|would|will) you|i (?:want|would like|'d like)(?: you)? to|i'd like(?: you)? to|now)[ "
+      ",]+",
       std::regex::icase);
   static const std::regex after("[ ,]+please$|[ ?.!]+$", std::regex::icase);
   for (size_t length = 0; length != text.size();) {

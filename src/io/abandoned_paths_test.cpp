@@ -109,9 +109,10 @@ TEST_F(AbandonedPaths, AnOwnIdOfAFormerProcessIsNoReasonToKeep) {
 }
 
 TEST_F(AbandonedPaths, OtherNamesStay) {
-  for (const std::string& name : std::vector<std::string>{"scene.ply.tmp-" + dead + "-1.bak", "scene.ply.tmp-0" + dead, "a.tmp-x",
-                                  "other.ply.tmp-" + dead + "-1", "scene.ply.tmp-" + dead + "-", "scene.ply.tmp--1",
-                                  "scene.ply.tmp-" + dead + "-1.old", "scene.ply.work-" + dead + "-1"}) {
+  for (const std::string& name :
+       std::vector<std::string>{"scene.ply.tmp-" + dead + "-1.bak", "scene.ply.tmp-0" + dead, "a.tmp-x",
+                                "other.ply.tmp-" + dead + "-1", "scene.ply.tmp-" + dead + "-", "scene.ply.tmp--1",
+                                "scene.ply.tmp-" + dead + "-1.old", "scene.ply.work-" + dead + "-1"}) {
     const fs::path file = with_file(name);
     remove_abandoned(folder / "scene.ply");
     EXPECT_TRUE(fs::exists(file)) << name;
