@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Names of one file that another file of the same module has in its anonymous namespace, too, and constants there that
-have the name of a header's constant.
+have the name of a header's constant. Tests of a module meet each other alone, and so do those of the folder tests.
 
     scripts/check_names.py
 
@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 SOURCES = Path(__file__).resolve().parents[1] / "src"
+TEST = "_test.cpp"
 TYPE = re.compile(r"(?:template <[^>]*>\s*)?(?:struct|class|enum class|enum) (?:alignas\(\w+\) )?(\w+)(?! *;)")
 CONSTANT = re.compile(r"(?:inline |static |constexpr |const )+[\w:<>, *&]+?[ &*](k[A-Z]\w*)\s*[={\[(;]")
 ALIAS = re.compile(r"using (\w+) = (.*)")
@@ -58,14 +59,21 @@ def constants_of_headers(sources):
     return headers
 
 
+def groups(sources):
+    """Files of each program or library that a unity build compiles together."""
+    for module in sorted(p for p in sources.iterdir() if p.is_dir()):
+        files = [f for f in sorted(module.rglob("*.cpp")) if "cuda" not in f.relative_to(sources).parts]
+        yield [f for f in files if not f.name.endswith(TEST)]
+        yield [f for f in files if f.name.endswith(TEST)]
+    yield sorted((sources.parent / "tests").glob("*" + TEST))
+
+
 def clashes(sources):
     """Each name that cannot be compiled at once, with its files."""
     headers = constants_of_headers(sources)
-    for module in sorted(p for p in sources.iterdir() if p.is_dir()):
+    for group in groups(sources):
         files = collections.defaultdict(set)
-        for source in sorted(module.rglob("*.cpp")):
-            if source.name.endswith("_test.cpp") or "cuda" in source.relative_to(sources).parts:
-                continue
+        for source in group:
             text = source.read_text(encoding="utf-8")
             for name, arguments, meaning in hidden_names(text):
                 files[name, arguments].add((str(source.relative_to(sources.parent)), meaning))

@@ -29,6 +29,11 @@ class CheckNames(unittest.TestCase):
         one, other = source("int twice(int x) { return 2 * x; }"), source("int twice(int x) {\n  return x + x;\n}")
         self.assertEqual(self.clashes(a_cpp=one, b_cpp=other), ["twice"])
 
+    def test_two_tests_meet_but_no_test_and_source(self):
+        hidden = source("struct Place {\n};")
+        self.assertEqual(self.clashes(a_test_cpp=hidden, b_test_cpp=hidden), ["Place"])
+        self.assertEqual(self.clashes(a_cpp=hidden, a_test_cpp=hidden), [])
+
     def test_overloads_may_meet(self):
         one, other = source("int twice(int x) { return 2 * x; }"), source("float twice(float x) { return 2 * x; }")
         self.assertEqual(self.clashes(a_cpp=one, b_cpp=other), [])

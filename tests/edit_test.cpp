@@ -90,7 +90,7 @@ TEST_F(EditCommand, AnEditGoesOnTheStackAndUndoTakesItBack) {
 
 TEST_F(EditCommand, AnEditInWordsIsTheSameEdit) {
   edit_json("--say 'paint all the walls light blue'");
-  edit_json("--say 'delete the largest bed'");
+  edit_json("--say 'get rid of the first bed, please'");
   EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"recolor wall to #add8e6", "delete bed#1, hole filled"}));
   EXPECT_EQ(edit_json("--say 'undo the first edit'")["undone"], "recolor wall to #add8e6");
   EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed#1, hole filled"})) << "the later edit stays";

@@ -27,10 +27,6 @@ constexpr std::pair<std::string_view, EditKind> kVerbs[] = {
     {"recolour", EditKind::kRecolor}, {"paint", EditKind::kRecolor},      {"color", EditKind::kRecolor},
     {"colour", EditKind::kRecolor},   {"highlight", EditKind::kHighlight}};
 
-constexpr std::pair<std::string_view, size_t> kOrdinals[] = {
-    {"last", 0},  {"latest", 0}, {"first", 1},   {"second", 2}, {"third", 3}, {"fourth", 4},
-    {"fifth", 5}, {"sixth", 6},  {"seventh", 7}, {"eighth", 8}, {"ninth", 9}, {"tenth", 10}};
-
 /// Cuts `ending` off, whatever its case.
 bool take_ending(std::string& text, std::string_view ending) {
   if (text.size() < ending.size() ||
@@ -152,14 +148,9 @@ std::optional<size_t> undo_number(std::string words) {
       words.replace(at, filler.size(), " ");
     trim(words);
   }
-  if (words.empty()) return 0;
-  for (const auto& [word, number] : kOrdinals) {
-    if (words == word) return number;
-  }
+  if (words.empty() || words == "last" || words == "latest") return 0;
+  if (const int ordinal = ordinal_number(words); ordinal > 0) return static_cast<size_t>(ordinal);
   if (words.front() == '#') words.erase(0, 1);
-  for (const std::string_view ending : {"st", "nd", "rd", "th"}) {
-    if (take_ending(words, ending)) break;
-  }
   size_t number = 0;
   const auto [end, error] = std::from_chars(words.data(), words.data() + words.size(), number);
   if (error != std::errc() || end != words.data() + words.size() || number == 0) return {};

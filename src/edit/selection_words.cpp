@@ -149,24 +149,27 @@ ObjectChoice take_choice(std::string_view& item) {
   return ObjectChoice::kNone;
 }
 
-int take_ordinal(std::string_view& item) {
-  std::string_view rest = trimmed(item);
-  take_phrase(rest, "the");
+int ordinal_number(std::string_view given) {
+  const std::string word = lower_case(given);
   for (size_t i = 0; i < std::size(kOrdinals); ++i) {
-    if (!take_phrase(rest, kOrdinals[i])) continue;
-    item = rest;
-    return static_cast<int>(i) + 1;
+    if (word == kOrdinals[i]) return static_cast<int>(i) + 1;
   }
-  const std::string word = lower_case(rest.substr(0, rest.find_first_of(" \t")));
   for (const std::string_view end : kOrdinalEnds) {
     if (word.size() <= end.size() || word.substr(word.size() - end.size()) != end) continue;
     const std::string digits = word.substr(0, word.size() - end.size());
-    const int n = digits.find_first_not_of("0123456789") == std::string::npos ? number_of(digits) : 0;
-    if (n == 0 || !take_phrase(rest, word)) continue;
-    item = rest;
-    return n;
+    return digits.find_first_not_of("0123456789") == std::string::npos ? number_of(digits) : 0;
   }
   return 0;
+}
+
+int take_ordinal(std::string_view& item) {
+  std::string_view rest = trimmed(item);
+  take_phrase(rest, "the");
+  const std::string word = lower_case(rest.substr(0, rest.find_first_of(" \t")));
+  const int number = ordinal_number(word);
+  if (number == 0 || !take_phrase(rest, word)) return 0;
+  item = rest;
+  return number;
 }
 
 std::pair<int, int> object_numbers(std::string_view text) {

@@ -37,6 +37,9 @@ std::string_view without_quantifier(std::string_view item);
 /// Takes "the largest", "leftmost", ... off the begin of an item.
 ObjectChoice take_choice(std::string_view& item);
 
+/// 2 of "second" and of "2nd", in any case; 0 of any other word.
+int ordinal_number(std::string_view word);
+
 /// Takes "the second" or "2nd" off the begin of an item: its number; 0 where it begins otherwise.
 int take_ordinal(std::string_view& item);
 
