@@ -8,6 +8,7 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "core/log.h"
 #include "edit/edit_session.h"
 #include "io/output_place.h"
@@ -92,7 +93,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       ->excludes("--keep-frame");
   command->callback([&context, options] {
     // Before the run is opened, which takes seconds.
-    for (char& c : options->format) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    options->format = lower_case(options->format);
     require_export_format(options->format, run_export_formats());
     const bool html = options->format == "html", both = options->format == "glb" || options->format == "usda";
     RunExportOptions& what = options->what;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "edit/color_names.h"
 #include "edit/inserted_object.h"
 #include "edit/motion_text.h"

@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "edit/selection_words.h"
 
 namespace aligngs {
@@ -84,23 +85,18 @@ const std::regex& by_degrees() {
   return pattern;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
-
 /// Words of `length`, `unit` (may be empty) and `direction` as a shift.
 Vec3d shift_along(std::string length, std::string unit, std::string direction) {
   std::replace(length.begin(), length.end(), ',', '.');
   if (length.front() == '+') length.erase(0, 1);
-  unit = lower(unit);
+  unit = lower_case(unit);
   if (unit.size() > 2 && unit.back() == 's') unit.pop_back();
   double metres = 1;
   for (const Unit& known : kUnits) metres = known.word == unit ? known.metres : metres;
   const auto value = number_of(length, kLongestShift / metres);
   if (!value)
     throw_usage("\"" + length + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
-  direction = std::regex_replace(lower(direction), std::regex(" +"), " ");
+  direction = std::regex_replace(lower_case(direction), std::regex(" +"), " ");
   for (const Direction& known : kDirections) {
     if (direction == known.word) return known.axis * (*value * metres) + Vec3d{};  // without -0
   }
@@ -162,8 +158,8 @@ std::optional<double> take_turn(std::string& text) {
   std::smatch match;
   if (!std::regex_match(text, match, by_degrees())) return {};
   const double turn = parse_turn(match[3].str());
-  const std::string side = lower(match[6].str());  // a turn to the left is counter-clockwise
-  const bool clockwise = side == "clockwise" || (side.size() >= 5 && side.compare(side.size() - 5, 5, "right") == 0);
+  const std::string side = lower_case(match[6].str());  // a turn to the left is counter-clockwise
+  const bool clockwise = side == "clockwise" || side.ends_with("right");
   text = std::string(match[1].str());
   return clockwise ? -turn : turn;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/edit_distance.h"
+#include "core/letter_case.h"
 #include "edit/edit_text.h"
 #include "edit/selection_text.h"
 
@@ -81,8 +82,7 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
 }  // namespace
 
 std::vector<std::string> nearest_readings(std::string_view given, const Vocabulary& vocabulary) {
-  std::string text(trimmed(given));
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string text = lower_case(trimmed(given));
   if (text.empty() || text.size() > kLongestSentence || is_understood(text, vocabulary)) return {};
   const size_t blank = std::min(text.find(' '), text.size());
   const std::string first = text.substr(0, blank);

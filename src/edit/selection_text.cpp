@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 
 namespace aligngs {
 namespace {
@@ -177,8 +178,7 @@ std::string selection_text(const SelectionQuery& query, const LabelSet& labels) 
 }
 
 ThresholdRule parse_threshold(std::string_view text) {
-  std::string word(trimmed(text));
-  for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string word = lower_case(trimmed(text));
   if (word == "argmax") return {ThresholdRule::Kind::kArgmax, 0};
   if (word == "auto") return {ThresholdRule::Kind::kAuto, 0};
   double value = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "core/letter_case.h"
 #include "edit/vocabulary.h"
 
 namespace aligngs {
@@ -63,13 +64,18 @@ int number_of(std::string_view text) {
   return error != std::errc() || end != text.data() + text.size() || n < 1 || n > kLargestInstance ? 0 : n;
 }
 
-}  // namespace
-
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
+/// The first of `words` in `text`; of two at one place the one that comes first in `words`.
+template <class Words>
+std::pair<size_t, size_t> find_first(std::string_view text, const Words& words, size_t from) {
+  std::pair<size_t, size_t> found{std::string_view::npos, 0};
+  for (const std::string_view word : words) {
+    const size_t at = find_word(text, word, from);
+    if (at < found.first) found = {at, word.size()};
+  }
+  return found;
 }
+
+}  // namespace
 
 std::string choice_word(ObjectChoice choice) {
   for (const auto& [word, known] : kChoices) {
@@ -97,21 +103,6 @@ size_t find_word(std::string_view text, std::string_view word, size_t from) {
   return std::string::npos;
 }
 
-namespace {
-
-/// The first of `words` in `text`; of two at one place the one that comes first in `words`.
-template <class Words>
-std::pair<size_t, size_t> find_first(std::string_view text, const Words& words, size_t from) {
-  std::pair<size_t, size_t> found{std::string_view::npos, 0};
-  for (const std::string_view word : words) {
-    const size_t at = find_word(text, word, from);
-    if (at < found.first) found = {at, word.size()};
-  }
-  return found;
-}
-
-}  // namespace
-
 std::pair<size_t, size_t> find_conjunction(std::string_view text, size_t from) {
   return find_first(text, kConjunctions, from);
 }
@@ -137,7 +128,7 @@ ObjectChoice take_choice(std::string_view& item) {
   std::string_view rest = trimmed(item);
   take_phrase(rest, "the");
   for (const auto& [ending, choice] : kPlaces) {
-    if (rest.size() <= ending.size() || lower_case(rest.substr(rest.size() - ending.size())) != ending) continue;
+    if (rest.size() <= ending.size() || !lower_case(rest).ends_with(ending)) continue;
     item = trimmed(rest.substr(0, rest.size() - ending.size()));
     return choice;
   }
@@ -155,7 +146,7 @@ int ordinal_number(std::string_view given) {
     if (word == kOrdinals[i]) return static_cast<int>(i) + 1;
   }
   for (const std::string_view end : kOrdinalEnds) {
-    if (word.size() <= end.size() || word.substr(word.size() - end.size()) != end) continue;
+    if (word.size() <= end.size() || !word.ends_with(end)) continue;
     const std::string digits = word.substr(0, word.size() - end.size());
     return digits.find_first_not_of("0123456789") == std::string::npos ? number_of(digits) : 0;
   }

@@ -17,9 +17,6 @@ std::string choice_word(ObjectChoice choice);  ///< "largest", "left", ...; empt
 /// `text` without blanks at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// `text` with ASCII letters in lower case.
-std::string lower_case(std::string_view text);
-
 /// Place of `word` by itself in `text` (any case), from `from` on; npos when nowhere. Blanks and commas part words.
 size_t find_word(std::string_view text, std::string_view word, size_t from = 0);
 

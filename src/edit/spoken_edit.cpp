@@ -2,6 +2,7 @@
 
 #include <regex>
 #include <utility>
+#include <vector>
 
 #include "edit/color_names.h"
 
@@ -9,20 +10,24 @@ namespace aligngs {
 namespace {
 
 struct Phrase {
-  const char* pattern;  ///< of the whole sentence, any case
+  std::regex pattern;  ///< of the whole sentence, any case
   const char* plain;
 };
 
 /// The first one that fits is taken.
-constexpr Phrase kPhrases[] = {
-    {"(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase|clear) +(\\S.*)", "delete $1"},
-    {"(?:take|throw) +(\\S.*\\S) +(?:away|out)", "delete $1"},
-    {"make +(\\S.*\\S) +(?:disappear|vanish|go away)", "delete $1"},
-    {"(?:show|keep|leave) +(?:only|just) +(\\S.*)", "keep $1"},
-    {"only +(?:show|keep|leave) +(\\S.*)", "keep $1"},
-    {"change +(?:the +)?colou?r +of +(\\S.*\\S) +(?:in)?to +(\\S.*)", "recolor $1 to $2"},
-    {"(?:put|shift|slide|pull) +(\\S.*)", "move $1"},
-    {"(turn|rotate) +(\\S.*\\S) +(?:around|round)", "$1 $2 by 180"}};
+const std::vector<Phrase>& phrases() {
+  const auto any_case = [](const char* pattern) { return std::regex(pattern, std::regex::icase); };
+  static const std::vector<Phrase> all = {
+      {any_case("(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase|clear) +(\\S.*)"), "delete $1"},
+      {any_case("(?:take|throw) +(\\S.*\\S) +(?:away|out)"), "delete $1"},
+      {any_case("make +(\\S.*\\S) +(?:disappear|vanish|go away)"), "delete $1"},
+      {any_case("(?:show|keep|leave) +(?:only|just) +(\\S.*)"), "keep $1"},
+      {any_case("only +(?:show|keep|leave) +(\\S.*)"), "keep $1"},
+      {any_case("change +(?:the +)?colou?r +of +(\\S.*\\S) +(?:in)?to +(\\S.*)"), "recolor $1 to $2"},
+      {any_case("(?:put|shift|slide|pull) +(\\S.*)"), "move $1"},
+      {any_case("(turn|rotate) +(\\S.*\\S) +(?:around|round)"), "$1 $2 by 180"}};
+  return all;
+}
 
 /// Takes courtesies off both ends.
 std::string without_courtesy(std::string text) {
@@ -54,10 +59,9 @@ std::string plain_edit(std::string text) {
   constexpr size_t kLongestSpoken = 400;  // bytes: longer texts are lists, and the patterns recurse over each letter
   if (text.size() > kLongestSpoken) return text;
   text = without_courtesy(std::move(text));
-  for (const Phrase& phrase : kPhrases) {
-    const std::regex pattern(phrase.pattern, std::regex::icase);
-    if (!std::regex_match(text, pattern)) continue;
-    text = std::regex_replace(text, pattern, phrase.plain);
+  for (const Phrase& phrase : phrases()) {
+    if (!std::regex_match(text, phrase.pattern)) continue;
+    text = std::regex_replace(text, phrase.pattern, phrase.plain);
     break;
   }
   static const std::regex half("\\bhalf an? +(?=met(?:re|er)|foot)", std::regex::icase);

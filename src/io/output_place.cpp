@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 
 namespace aligngs {
 
@@ -20,11 +21,6 @@ constexpr std::array<std::string_view, 48> kKnownExtensions = {
     ".stl", ".fbx",  ".html", ".htm", ".csv",  ".json", ".png",   ".jpg",    ".jpeg", ".zip",  ".svg",  ".dxf",
     ".pdf", ".dae",  ".3ds",  ".xyz", ".pcd",  ".las",  ".laz",   ".e57",    ".mp4",  ".mov",  ".mkv",  ".webm",
     ".gif", ".webp", ".heic", ".tif", ".tiff", ".bmp",  ".tsv",   ".txt",    ".toml", ".bin",  ".npz",  ".npy"};
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 }  // namespace
 

@@ -1,9 +1,9 @@
 #include "scene/photo_lookup.h"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 
+#include "core/letter_case.h"
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
 #include "scene/photo_mask.h"
@@ -15,11 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool is_file(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);
@@ -30,7 +25,7 @@ std::string stem_of(const fs::path& file) {
   static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png", ".tif",  ".tiff", ".heic", ".heif",
                                                ".webp", ".bmp",  ".ppm", ".avif", ".gif",  ".exr",  ".dng",
                                                ".cr2",  ".nef",  ".arw", ".jp2",  ".jpe",  ".jfif"};
-  return kKnown.count(lower(file.extension().string())) ? file.stem().string() : file.filename().string();
+  return kKnown.count(lower_case(file.extension().string())) ? file.stem().string() : file.filename().string();
 }
 
 std::string listed(const std::vector<fs::path>& files) {
@@ -116,13 +111,13 @@ PhotoLookup::Answer PhotoLookup::by_other_extension(const Folders& folders, cons
   std::vector<fs::path> same, others;  // of the same extension in another case, of others
   for (const fs::path& folder : folders) {
     const fs::path wanted = folder / name;
-    const std::string stem = stem_of(wanted), extension = lower(wanted.extension().string());
+    const std::string stem = stem_of(wanted), extension = lower_case(wanted.extension().string());
     std::error_code error;
     for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end;
          entry.increment(error)) {
       const fs::path& file = entry->path();
       if (!has_picture_extension(file) || is_hidden(file) || file.stem().string() != stem || !is_file(file)) continue;
-      (lower(file.extension().string()) == extension ? same : others).push_back(file);
+      (lower_case(file.extension().string()) == extension ? same : others).push_back(file);
     }
   }
   return answer_of(same.empty() ? others : same);

@@ -22,9 +22,6 @@ class Download : public testing_support::ViewServerTest {
     options.limits.request = 2s;
     options.limits.connections = 4;
   }
-  std::string ask_for(const std::string& target, const std::string& headers = "") const {
-    return ask(server_->port(), "GET", target, headers);
-  }
 };
 
 TEST_F(Download, IsResumedWhereItStopped) {

@@ -23,9 +23,6 @@ class HttpRules : public testing_support::ViewServerTest {
     options.limits.request = 1s;
     options.limits.connections = 8;  // streams of events that ended count for half a second
   }
-  std::string ask_for(const std::string& target, const std::string& headers) const {
-    return ask(server_->port(), "GET", target, headers);
-  }
   std::string post_head(const std::string& headers) const {
     return "POST /api/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nX-AlignGS-Token: " + server_->token() +
            "\r\n" + headers;

@@ -5,6 +5,8 @@
 #include <random>
 #include <utility>
 
+#include "core/letter_case.h"
+
 namespace aligngs {
 namespace {
 
@@ -13,12 +15,6 @@ int hex_digit(char c) {
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
   return -1;
-}
-
-/// Equal but for the case of letters, as names of media types are compared.
-bool same_name(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
 /// The host without its port; empty when the brackets of an IPv6 address do not match.
@@ -92,7 +88,7 @@ std::string_view query_value(std::string_view target, std::string_view name) {
 bool post_allowed(const PostHeaders& h, std::string_view token) {
   if (!h.origin.empty() && h.origin != "http://" + std::string(h.host)) return false;
   constexpr std::string_view kJson = "application/json";
-  if (!same_name(h.content_type.substr(0, kJson.size()), kJson)) return false;
+  if (lower_case(h.content_type.substr(0, kJson.size())) != kJson) return false;
   if (h.content_type.size() > kJson.size() && h.content_type[kJson.size()] != ';') return false;
   return same_secret(h.token, token);
 }

@@ -55,8 +55,8 @@ struct ViewServerOptions {
 /// or
 ///                     this host, a JSON body and X-AlignGS-Token
 ///
-/// Downloads have an ETag and take Range, If-Range, If-Match and If-None-Match. Text is compressed once and kept. HEAD tells the
-/// length.
+/// Downloads have an ETag and take Range, If-Range, If-Match and If-None-Match. Text is compressed once and kept. HEAD
+/// tells the length.
 ///
 /// While a page listens to a run that is being trained, the trainer is asked for live snapshots (run_control.h).
 ///

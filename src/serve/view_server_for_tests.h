@@ -90,6 +90,10 @@ class ViewServerTest : public testing::Test {
   std::string get(const std::string& target, const std::string& host = "localhost:9000") const {
     return test_http::get(server_->port(), target, host);
   }
+  /// GET with headers of the test's own.
+  std::string ask_for(const std::string& target, const std::string& headers = "") const {
+    return test_http::ask(server_->port(), "GET", target, headers);
+  }
   std::string post(const std::string& target, const std::string& headers, const std::string& body) const {
     return test_http::post(server_->port(), target, headers, body);
   }

@@ -26,6 +26,12 @@ std::vector<std::string> parts_of(const std::string& name) {
   return parts;
 }
 
+/// The parts in their common spelling (unicode_letters.h).
+std::vector<std::string> spelled(std::vector<std::string> parts) {
+  for (std::string& part : parts) part = common_spelling(part);
+  return parts;
+}
+
 /// The last run of digits in a file's stem; -1 when there is none.
 int number_of(const fs::path& file) {
   const std::string stem = file.stem().string();
@@ -174,7 +180,10 @@ std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>
 }
 
 FrameNames::FrameNames(const std::vector<CapturedFrame>& frames) {
-  for (const CapturedFrame& frame : frames) parts_.push_back(parts_of(frame.name));
+  for (const CapturedFrame& frame : frames) {
+    parts_.push_back(parts_of(frame.name));
+    spelled_.push_back(spelled(parts_.back()));
+  }
 }
 
 int FrameNames::find(const std::string& name) const {
@@ -203,15 +212,11 @@ int FrameNames::find(const std::string& name) const {
 }
 
 int FrameNames::by_spelling(const std::string& name) const {
-  const auto spelled = [](std::vector<std::string> parts) {
-    for (std::string& part : parts) part = common_spelling(part);
-    return parts;
-  };
   int found = -1;
   for (const std::string& wanted : {as_utf8(slashed_name(name)), view_name_of(name)}) {
     const std::vector<std::string> parts = spelled(parts_of(wanted));
-    for (size_t i = 0; i < parts_.size(); ++i) {
-      if (spelled(parts_[i]) != parts || found == static_cast<int>(i)) continue;
+    for (size_t i = 0; i < spelled_.size(); ++i) {
+      if (spelled_[i] != parts || found == static_cast<int>(i)) continue;
       if (found >= 0) return -1;
       found = static_cast<int>(i);
     }

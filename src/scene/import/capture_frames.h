@@ -59,7 +59,8 @@ class FrameNames {
  private:
   int by_spelling(const std::string& name) const;
 
-  std::vector<std::vector<std::string>> parts_;  ///< of each frame's name
+  std::vector<std::vector<std::string>> parts_;    ///< of each frame's name
+  std::vector<std::vector<std::string>> spelled_;  ///< the same parts in their common spelling
 };
 
 /// Names that are paths of files become paths below the folder that all photos share, without extension and "..".

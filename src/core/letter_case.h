@@ -1,0 +1,16 @@
+// Letters without their case, as in words that people type, extensions of files and names of HTTP.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace aligngs {
+
+/// `text` with ASCII letters in lower case, in any locale. Other bytes stay.
+inline std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+}  // namespace aligngs
