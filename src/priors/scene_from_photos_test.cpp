@@ -187,8 +187,9 @@ TEST_F(FromPhotos, AMetricNetworkBesideItMakesMetres) {
   ASSERT_EQ(metres.data.size(), depth.data.size());
   for (size_t i = 0; i < depth.data.size(); ++i) {
     // Half floats; depth of the sky and unsure depth are no values.
-    if (depth.data[i] > 0 && metres.data[i] > 0)
+    if (depth.data[i] > 0 && metres.data[i] > 0) {
       EXPECT_NEAR(metres.data[i] / depth.data[i], report.metres->scale, 2e-3 * report.metres->scale);
+    }
   }
 }
 

@@ -185,7 +185,9 @@ TEST_F(CompletedScene, HasDepthInTheHolesOfTheSensorWithLessConfidence) {
   const ImageF truth = photo(true_camera(1)).match.depth;
   int right = 0, filled = 0;
   for (size_t i = 0; i < depth.data.size(); ++i) {
-    if (confidence.data[i] == 1) EXPECT_FLOAT_EQ(depth.data[i], truth.data[i]);
+    if (confidence.data[i] == 1) {
+      EXPECT_FLOAT_EQ(depth.data[i], truth.data[i]);
+    }
     if (!(confidence.data[i] > 0 && confidence.data[i] <= kFilledConfidence)) continue;
     ++filled;
     right += std::abs(std::log(depth.data[i] / truth.data[i])) < 0.03;

@@ -43,8 +43,9 @@ TEST(PlanCells, SlantedLinesLeaveNoGapsAndNameTheirEdges) {
   for (const PlanSide& side : plan.sides) {
     const int line = plan.cells[side.cell].lines[side.edge];
     EXPECT_EQ(line == kPlanBorder, side.other < 0);
-    if (line != kPlanBorder)
+    if (line != kPlanBorder) {
       EXPECT_NEAR(lines[static_cast<size_t>(line)].distance(plan.cells[side.cell].corners[side.edge]), 0, 1e-9);
+    }
   }
 }
 

@@ -38,20 +38,20 @@ TEST_F(HttpRules, AHeaderThatDecidesWhoMayAskComesOnce) {
   const std::string get = "GET /api/state HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\n";
   EXPECT_EQ(status(raw(get + "Host: evil.example\r\n\r\n")), 400);
   EXPECT_EQ(status(raw(get + "Sec-Fetch-Site: same-origin\r\nSec-Fetch-Site: cross-site\r\n\r\n")), 400);
-  const std::string json = "Content-Type: application/json\r\n", end = "Content-Length: 2\r\n\r\n{}";
-  EXPECT_EQ(status(raw(post_head(json + end))), 200);
-  EXPECT_EQ(status(raw(post_head(json + "Content-Type: text/plain\r\n" + end))), 400);
-  EXPECT_EQ(status(raw(post_head(json + "X-AlignGS-Token: 0\r\n" + end))), 400);
-  EXPECT_EQ(status(raw(post_head(json + "Origin: http://localhost\r\nOrigin: http://evil.example\r\n" + end))), 400);
+  const std::string type = "Content-Type: application/json\r\n", end = "Content-Length: 2\r\n\r\n{}";
+  EXPECT_EQ(status(raw(post_head(type + end))), 200);
+  EXPECT_EQ(status(raw(post_head(type + "Content-Type: text/plain\r\n" + end))), 400);
+  EXPECT_EQ(status(raw(post_head(type + "X-AlignGS-Token: 0\r\n" + end))), 400);
+  EXPECT_EQ(status(raw(post_head(type + "Origin: http://localhost\r\nOrigin: http://evil.example\r\n" + end))), 400);
 }
 
 TEST_F(HttpRules, ALengthHasOneMeaning) {
-  const std::string json = "Content-Type: application/json\r\n", body = "\r\n{}";
-  EXPECT_EQ(status(raw(post_head(json + "Content-Length: 2\r\nContent-Length: 3\r\n" + body))), 400);
-  EXPECT_EQ(status(raw(post_head(json + "Content-Length: -1\r\n" + body))), 400);
-  EXPECT_EQ(status(raw(post_head(json + "Content-Length: 99999999999999999999999\r\n" + body))), 400);
-  EXPECT_EQ(status(raw(post_head(json + "Content-Length: 9223372036854775808\r\n" + body))), 413);
-  const std::string chunked = json + "Transfer-Encoding: chunked\r\n", chunk = "\r\n2\r\n{}\r\n0\r\n\r\n";
+  const std::string type = "Content-Type: application/json\r\n", body = "\r\n{}";
+  EXPECT_EQ(status(raw(post_head(type + "Content-Length: 2\r\nContent-Length: 3\r\n" + body))), 400);
+  EXPECT_EQ(status(raw(post_head(type + "Content-Length: -1\r\n" + body))), 400);
+  EXPECT_EQ(status(raw(post_head(type + "Content-Length: 99999999999999999999999\r\n" + body))), 400);
+  EXPECT_EQ(status(raw(post_head(type + "Content-Length: 9223372036854775808\r\n" + body))), 413);
+  const std::string chunked = type + "Transfer-Encoding: chunked\r\n", chunk = "\r\n2\r\n{}\r\n0\r\n\r\n";
   EXPECT_EQ(status(raw(post_head(chunked + chunk))), 200);
   EXPECT_EQ(status(raw(post_head(chunked + "Content-Length: 2\r\n" + chunk))), 400);
   EXPECT_EQ(status(raw(post_head(chunked + "\r\nffffffffffffffffff\r\n{}"))), 400);

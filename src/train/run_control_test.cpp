@@ -12,7 +12,7 @@ namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
-using Flag = RunControl::Flag;
+using ControlFlag = RunControl::Flag;
 
 class RunControlTest : public testing::Test {
  protected:
@@ -27,15 +27,15 @@ class RunControlTest : public testing::Test {
 
 TEST_F(RunControlTest, AFlagIsAFileThatStandsUntilItIsTaken) {
   const RunControl control(run_);
-  EXPECT_FALSE(control.asked(Flag::kStop));
-  EXPECT_FALSE(control.take(Flag::kStop));
-  control.ask(Flag::kStop);
-  control.ask(Flag::kStop);
+  EXPECT_FALSE(control.asked(ControlFlag::kStop));
+  EXPECT_FALSE(control.take(ControlFlag::kStop));
+  control.ask(ControlFlag::kStop);
+  control.ask(ControlFlag::kStop);
   EXPECT_TRUE(fs::exists(run_ / "control" / "stop"));
-  EXPECT_TRUE(control.asked(Flag::kStop));
-  EXPECT_FALSE(control.asked(Flag::kPause));
-  EXPECT_TRUE(control.take(Flag::kStop));
-  EXPECT_FALSE(control.take(Flag::kStop));
+  EXPECT_TRUE(control.asked(ControlFlag::kStop));
+  EXPECT_FALSE(control.asked(ControlFlag::kPause));
+  EXPECT_TRUE(control.take(ControlFlag::kStop));
+  EXPECT_FALSE(control.take(ControlFlag::kStop));
 }
 
 TEST_F(RunControlTest, ARunIsActiveWhileItIsLocked) {
@@ -71,11 +71,11 @@ TEST_F(RunControlTest, AskingWhetherARunIsActiveNeverKeepsAWorkerOut) {
 
 TEST_F(RunControlTest, FlagsForAnEarlierProcessDoNotStopTheNext) {
   const RunControl control(run_);
-  control.ask(Flag::kStop);
-  control.ask(Flag::kPause);
+  control.ask(ControlFlag::kStop);
+  control.ask(ControlFlag::kPause);
   const RunLock lock(run_);
-  EXPECT_FALSE(control.asked(Flag::kStop));
-  EXPECT_FALSE(control.asked(Flag::kPause));
+  EXPECT_FALSE(control.asked(ControlFlag::kStop));
+  EXPECT_FALSE(control.asked(ControlFlag::kPause));
 }
 
 }  // namespace

@@ -196,20 +196,20 @@ TEST(TeacherSampling, HalfPixelRule) {
 
 /// The halves of a near-uniform row of 150 classes sum to 2e-4 off 1. The KL divergence of equals is then as far off 0.
 TEST(TeacherSampling, SamplesSumToOneSoThatEqualsHaveNoLoss) {
-  constexpr int kClasses = 150;
-  std::vector<float> scores(2 * kClasses, 0.0f);
+  constexpr int kManyClasses = 150;
+  std::vector<float> scores(2 * kManyClasses, 0.0f);
   for (const size_t i : {2, 9, 100, 287}) scores[i] = 1;
-  const SemanticTarget t = semantic_target(scores.data(), kClasses, 2, 1, {SemanticKind::kLogits, 1});
-  std::vector<float> p(kClasses);
+  const SemanticTarget t = semantic_target(scores.data(), kManyClasses, 2, 1, {SemanticKind::kLogits, 1});
+  std::vector<float> p(kManyClasses);
   sample_teacher(t, teacher_taps(t, 1, 0, 3, 1), p.data());
   double sum = 0;
   for (const float x : p) sum += static_cast<double>(x);
   EXPECT_NEAR(sum, 1, 1e-6);
   const std::vector<double> teacher(p.begin(), p.end());
-  std::vector<double> unused(kClasses), blended = teacher;
+  std::vector<double> unused(kManyClasses), blended = teacher;
   for (double& x : blended) x /= sum;
   const SemanticTerms<double> terms =
-      semantic_loss_probabilities(blended.data(), 1.0, teacher.data(), kClasses, {1.0, 0.0}, unused.data());
+      semantic_loss_probabilities(blended.data(), 1.0, teacher.data(), kManyClasses, {1.0, 0.0}, unused.data());
   EXPECT_NEAR(terms.soft, 0, 1e-6);
 }
 

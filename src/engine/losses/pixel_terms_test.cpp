@@ -126,7 +126,9 @@ TEST(LossCatalogue, NamesAreUniqueAndEndWithAZero) {
   for (const LossRow& row : kLossCatalogue) {
     EXPECT_EQ(row.name.data()[row.name.size()], '\0');
     for (const LossRow& other : kLossCatalogue) {
-      if (other.loss != row.loss) EXPECT_NE(other.name, row.name);
+      if (other.loss != row.loss) {
+        EXPECT_NE(other.name, row.name);
+      }
     }
   }
 }

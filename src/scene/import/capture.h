@@ -62,7 +62,7 @@ struct Capture {
 
 struct CaptureOptions {
   std::string layout = "auto";          ///< a name of capture_layouts(), or "auto"
-  std::filesystem::path intrinsics;     ///< 3x3 or 4x4 matrix file; required by TUM and unregistered 7-Scenes
+  std::filesystem::path intrinsics{};   ///< 3x3 or 4x4 matrix file; required by TUM and unregistered 7-Scenes
   bool assume_registered = false;       ///< 7-Scenes: treat the shipped colour as registered to depth
   bool neural_rgbd_trajectory = false;  ///< Neural RGB-D: trainval_poses.txt (BundleFusion) instead of poses.txt
 };
