@@ -6,7 +6,7 @@
 
 namespace aligngs::cuda {
 namespace {
-thread_local EmulatedTape* current = nullptr;
+thread_local EmulatedTape* recording = nullptr;
 }
 
 bool EmulatedTape::like(const EmulatedTape& other) const {
@@ -14,13 +14,13 @@ bool EmulatedTape::like(const EmulatedTape& other) const {
                     [](const Operation& a, const Operation& b) { return a.name == b.name; });
 }
 
-EmulatedTape* recording_tape() { return current; }
+EmulatedTape* recording_tape() { return recording; }
 
-ScopedRecording::ScopedRecording(EmulatedTape& tape) { current = &tape; }
-ScopedRecording::~ScopedRecording() { current = nullptr; }
+ScopedRecording::ScopedRecording(EmulatedTape& tape) { recording = &tape; }
+ScopedRecording::~ScopedRecording() { recording = nullptr; }
 
 void refuse_while_recording(const char* what) {
-  if (current == nullptr) return;
+  if (recording == nullptr) return;
   throw Error({ErrorKind::kFailed, std::string(what) + " cannot be part of a graph", {}, {}, {}});
 }
 

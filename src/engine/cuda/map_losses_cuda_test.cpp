@@ -24,7 +24,7 @@ namespace {
 using testing_maps::LossFixture;
 using Result = MapLossResult;
 
-const CudaTolerance kTolerance;
+const CudaTolerance kMapTolerance;
 
 constexpr auto kOneView = losses_of(LossStage::kColor, LossStage::kGeometry);
 
@@ -136,9 +136,9 @@ TEST_F(CudaMapLosses, AnExactCopyHasNoLoss) {
   }
   const Result r = run_device(f);
   EXPECT_EQ(r.terms[Loss::kL1], 0);
-  EXPECT_NEAR(r.terms[Loss::kSsim], 0, kTolerance.nothing);
+  EXPECT_NEAR(r.terms[Loss::kSsim], 0, kMapTolerance.nothing);
   EXPECT_EQ(r.terms.psnr, kPsnrMaximum);
-  EXPECT_LT(largest(r.gradients.color), kTolerance.nothing);
+  EXPECT_LT(largest(r.gradients.color), kMapTolerance.nothing);
 }
 
 TEST_F(CudaMapLosses, AViewWithoutPriors) {

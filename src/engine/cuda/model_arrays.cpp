@@ -2,7 +2,7 @@
 
 namespace aligngs::cuda {
 namespace {
-constexpr size_t kShRow = size_t(3) * kShCoefficients;
+constexpr size_t kHarmonicsPerGaussian = size_t(3) * kShCoefficients;
 }
 
 void ModelArrays::resize(DeviceContext& context, size_t gaussians, int channels, const char* what) {
@@ -11,7 +11,7 @@ void ModelArrays::resize(DeviceContext& context, size_t gaussians, int channels,
   log_scales_.resize(context, 3 * gaussians, what);
   rotations_.resize(context, 4 * gaussians, what);
   opacity_logits_.resize(context, gaussians, what);
-  sh_.resize(context, kShRow * gaussians, what);
+  sh_.resize(context, kHarmonicsPerGaussian * gaussians, what);
   semantics_.resize(context, static_cast<size_t>(channels) * gaussians, what);
 }
 
@@ -50,7 +50,7 @@ ModelSpans ModelArrays::spans() const {
 }
 
 uint64_t ModelArrays::bytes(size_t gaussians, int channels) {
-  return uint64_t(gaussians) * (3 + 3 + 4 + 1 + kShRow + static_cast<size_t>(channels)) * sizeof(float);
+  return uint64_t(gaussians) * (3 + 3 + 4 + 1 + kHarmonicsPerGaussian + static_cast<size_t>(channels)) * sizeof(float);
 }
 
 }  // namespace aligngs::cuda

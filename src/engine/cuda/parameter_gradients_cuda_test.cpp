@@ -21,7 +21,7 @@ using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_request;
 using cpu::testing_scene::SceneOptions;
 
-const CudaTolerance kTolerance;
+const CudaTolerance kParameterTolerance;
 
 class CudaParameterGradients : public DeviceTest {
  protected:
@@ -113,7 +113,7 @@ class CudaParameterGradients : public DeviceTest {
       b.push_back(want[i]);
     }
     const auto d = difference(a, b);
-    EXPECT_LE(d.worst, kTolerance.row_gradient) << name << " " << d.at << ", largest " << d.scale;
+    EXPECT_LE(d.worst, kParameterTolerance.row_gradient) << name << " " << d.at << ", largest " << d.scale;
   }
 
   void expect_equal(float coupling_scale) {
@@ -128,15 +128,17 @@ class CudaParameterGradients : public DeviceTest {
     expect_close(sh, want.sh, 3 * kShCoefficients, true, "sh");
     const double visible = static_cast<double>(std::max<size_t>(1, view->visible));
     EXPECT_NEAR(std::sqrt(squares[0] / visible), totals.photometric_rms,
-                kTolerance.gradient_rms * totals.photometric_rms);
+                kParameterTolerance.gradient_rms * totals.photometric_rms);
     if (coupling_scale != 0) {
-      EXPECT_NEAR(std::sqrt(squares[1] / visible), totals.coupling_rms, kTolerance.gradient_rms * totals.coupling_rms);
+      EXPECT_NEAR(std::sqrt(squares[1] / visible), totals.coupling_rms,
+                  kParameterTolerance.gradient_rms * totals.coupling_rms);
     }
     for (size_t i = 0; i < model.size(); ++i) {
       if (touched[i] == 0) continue;
-      EXPECT_NEAR(density[i].weight, want.density[i].weight, kTolerance.density_sum) << i;
-      EXPECT_NEAR(density[i].photometric_abs_y, want.density[i].photometric_abs_y, kTolerance.density_sum) << i;
-      EXPECT_NEAR(density[i].unsupported, want.density[i].unsupported, kTolerance.density_sum) << i;
+      EXPECT_NEAR(density[i].weight, want.density[i].weight, kParameterTolerance.density_sum) << i;
+      EXPECT_NEAR(density[i].photometric_abs_y, want.density[i].photometric_abs_y, kParameterTolerance.density_sum)
+          << i;
+      EXPECT_NEAR(density[i].unsupported, want.density[i].unsupported, kParameterTolerance.density_sum) << i;
     }
     EXPECT_EQ(bad, kNoBadGradient);
   }

@@ -32,7 +32,7 @@ using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_view;
 using cpu::testing_scene::SceneOptions;
 
-const CudaTolerance kTolerance;
+const CudaTolerance kVisitTolerance;
 
 /// The gradient -t / Q of blended probabilities jumps to 0 at the floor of Q. With logits this close together every Q
 /// stays above it, whatever the rounding.
@@ -226,21 +226,21 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
                                     << int(options.blend) << ", coupling " << int(options.coupling) << ", remainder "
                                     << options.remainder);
     const Outcome want = run_cpu(), got = run_device();
-    EXPECT_NEAR(got.soft, want.soft, kTolerance.visit_loss);
-    EXPECT_NEAR(got.hard, want.hard, kTolerance.visit_loss);
+    EXPECT_NEAR(got.soft, want.soft, kVisitTolerance.visit_loss);
+    EXPECT_NEAR(got.hard, want.hard, kVisitTolerance.visit_loss);
     EXPECT_EQ(got.written, want.written);
     EXPECT_EQ(bad, kNoBadGradient);
     const double valid = static_cast<double>(cache.valid);
     if (channels == 1 && options.blend == SemanticBlend::kLogits) {  // one class: nothing to learn
-      for (const float g : got.features) EXPECT_NEAR(g, 0, kTolerance.nothing / valid);
+      for (const float g : got.features) EXPECT_NEAR(g, 0, kVisitTolerance.nothing / valid);
       return;
     }
-    expect_near(got.features, want.features, kTolerance.semantic_gradient, "dL/drow");
+    expect_near(got.features, want.features, kVisitTolerance.semantic_gradient, "dL/drow");
     // The row of one class is always 1.
-    if (channels > 1) expect_near(got.gradients, want.gradients, kTolerance.semantic_gradient, "dL/dlogit");
+    if (channels > 1) expect_near(got.gradients, want.gradients, kVisitTolerance.semantic_gradient, "dL/dlogit");
     if (channels == 1 && options.coupling == SemanticCoupling::kBounded) return;  // rounding of 0
     // Whitened coordinates are of order 1, so the six moments share a scale; single ones may cancel.
-    expect_near(got.moments, want.moments, kTolerance.coupling_moment, "moment");
+    expect_near(got.moments, want.moments, kVisitTolerance.coupling_moment, "moment");
   }
 
   static void expect_near(const std::vector<float>& got, const std::vector<float>& want, double tolerance,
@@ -396,7 +396,7 @@ TEST_P(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
         worst = std::max(worst, std::abs(x - y));
       }
       EXPECT_GT(largest, 0.0);
-      EXPECT_LE(worst, kTolerance.hidden_moment * largest);
+      EXPECT_LE(worst, kVisitTolerance.hidden_moment * largest);
     }
   }
 }

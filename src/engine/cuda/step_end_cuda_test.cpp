@@ -25,7 +25,7 @@ using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_request;
 using cpu::testing_scene::SceneOptions;
 
-const CudaTolerance kTolerance;
+const CudaTolerance kStepEndTolerance;
 
 class CudaStepEnd : public DeviceTest {
  protected:
@@ -64,15 +64,16 @@ class CudaStepEnd : public DeviceTest {
     add_shape_terms(arena, {device.spans(), touched.span(), visible.span(), request.losses, request.extent},
                     {gradients.spans(), terms.span(), bad.span()});
     const LossTerms got = terms.to_host()[0];
-    EXPECT_NEAR(got[Loss::kFlatten], want[Loss::kFlatten], kTolerance.relative_loss * want[Loss::kFlatten]);
-    EXPECT_NEAR(got[Loss::kOpacityL1], want[Loss::kOpacityL1], kTolerance.relative_loss * want[Loss::kOpacityL1]);
-    EXPECT_NEAR(got[Loss::kScaleL1], want[Loss::kScaleL1], kTolerance.relative_loss * want[Loss::kScaleL1]);
-    EXPECT_NEAR(got.total, want.total, kTolerance.relative_loss * want.total);
+    EXPECT_NEAR(got[Loss::kFlatten], want[Loss::kFlatten], kStepEndTolerance.relative_loss * want[Loss::kFlatten]);
+    EXPECT_NEAR(got[Loss::kOpacityL1], want[Loss::kOpacityL1],
+                kStepEndTolerance.relative_loss * want[Loss::kOpacityL1]);
+    EXPECT_NEAR(got[Loss::kScaleL1], want[Loss::kScaleL1], kStepEndTolerance.relative_loss * want[Loss::kScaleL1]);
+    EXPECT_NEAR(got.total, want.total, kStepEndTolerance.relative_loss * want.total);
     const auto to_vector = [](const auto& a) { return std::vector<float>(a.data(), a.data() + a.size()); };
     EXPECT_LT(difference(gradients.log_scales.to_host(), to_vector(view->cpu_gradients.log_scales)).worst,
-              kTolerance.gradient);
+              kStepEndTolerance.gradient);
     EXPECT_LT(difference(gradients.opacity_logits.to_host(), to_vector(view->cpu_gradients.opacity_logits)).worst,
-              kTolerance.gradient);
+              kStepEndTolerance.gradient);
   }
 
   GaussianModel model;
@@ -157,7 +158,7 @@ TEST_F(CudaStepEnd, DensityStatisticsAgreeWithTheCpu) {
   const std::vector<float>* wanted[] = {&want.gradient, &want.gradient_abs, &want.visible,    &want.radius,
                                         &want.weight,   &want.residual,     &want.unsupported};
   for (size_t k = 0; k < 7; ++k) {
-    EXPECT_LT(difference(arrays[k].to_host(), *wanted[k]).worst, kTolerance.statistic) << k;
+    EXPECT_LT(difference(arrays[k].to_host(), *wanted[k]).worst, kStepEndTolerance.statistic) << k;
   }
   const std::vector<float> before = arrays[0].to_host();
   blocked.assign(context(), {1}, "test");

@@ -21,7 +21,7 @@ using nn::Matrix;
 using nn::Precision;
 using nn::Values;
 
-const cuda::CudaNetworkTolerance kTolerance;
+const cuda::CudaNetworkTolerance kNetworkTolerance;
 
 class CudaNetworks : public cuda::DeviceTest {
  protected:
@@ -70,7 +70,7 @@ TEST_F(CudaNetworks, ProductsOfAnySizeWithBiasAndActivation) {
       Compute compute = on_device(precision);
       const Matrix found = nn::Linear(compute, w, s.outputs, s.inputs, b)(compute, x, nn::Activation::kGelu);
       EXPECT_LT(distance(found.data, expected.data),
-                precision == Precision::kFloat32 ? kTolerance.single : kTolerance.bfloat16)
+                precision == Precision::kFloat32 ? kNetworkTolerance.single : kNetworkTolerance.bfloat16)
           << s.rows;
     }
   }
@@ -95,7 +95,7 @@ TEST_F(CudaNetworks, WeightsMultiplyRowsOfTheHostAsWell) {
     const nn::Linear linear(compute, w, 7, 33, {});
     Matrix y(5, 7);
     linear.product(x.row(0), 5, y.row(0), compute.scratch(0));
-    EXPECT_LT(distance(y.data, linear(compute, x).data), kTolerance.same_path);
+    EXPECT_LT(distance(y.data, linear(compute, x).data), kNetworkTolerance.same_path);
   }
 }
 
@@ -141,11 +141,11 @@ TEST_F(CudaNetworks, AttentionNeverFormsTheScoresAndMatchesTheCpu) {
   for (const int64_t dim : {12, 32, 64, 128}) {
     const AttentionCase c({2, 2, dim, 70, 131, 0});
     const Values expected = c.expected(cpu);
-    EXPECT_LT(distance(c.found(device(), Precision::kFloat32), expected), kTolerance.single) << dim;
-    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), expected), kTolerance.bfloat16) << dim;
+    EXPECT_LT(distance(c.found(device(), Precision::kFloat32), expected), kNetworkTolerance.single) << dim;
+    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), expected), kNetworkTolerance.bfloat16) << dim;
   }
   const AttentionCase one({1, 1, 16, 1, 1, 0});
-  EXPECT_LT(distance(one.found(device(), Precision::kBfloat16), one.expected(cpu)), kTolerance.bfloat16);
+  EXPECT_LT(distance(one.found(device(), Precision::kBfloat16), one.expected(cpu)), kNetworkTolerance.bfloat16);
 }
 
 TEST_F(CudaNetworks, AttentionDoesNotDependOnTheOrderOfThreads) {
@@ -160,7 +160,7 @@ TEST_F(CudaNetworks, MaskedAttentionIsExactWhateverThePrecision) {
   Compute cpu = on_cpu();
   for (const int64_t masks : {1, 2}) {
     const AttentionCase c({2, 2, 8, 9, 50, masks});
-    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), c.expected(cpu)), kTolerance.single) << masks;
+    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), c.expected(cpu)), kNetworkTolerance.single) << masks;
   }
 }
 
@@ -182,7 +182,7 @@ TEST_F(CudaNetworks, ConvolutionsWithStridePaddingAndRectifiedInput) {
     Compute compute = on_device(precision);
     const nn::FeatureMap found = nn::Convolution(compute, shape, w, b)(compute, x, {true, nn::Activation::kSilu});
     EXPECT_LT(distance(found.data, expected.data),
-              precision == Precision::kFloat32 ? kTolerance.single : kTolerance.bfloat16);
+              precision == Precision::kFloat32 ? kNetworkTolerance.single : kNetworkTolerance.bfloat16);
   }
 }
 
