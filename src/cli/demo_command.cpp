@@ -26,7 +26,6 @@ constexpr int64_t kDemoIterations = 600;
 
 /// Below the line "look at" of every run: the room in the browser, and the command for one's own photos.
 void print_next_steps(const std::string& run) {
-  std::printf("browser      aligngs view %s\n", run.c_str());
   std::printf("your photos  aligngs run PHOTOS -o RUN --method colmap --semantics none (needs the colmap program)\n");
   std::fflush(stdout);
 }

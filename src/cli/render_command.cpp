@@ -23,7 +23,7 @@ constexpr double kFewestFrames = 1, kMostFrames = 240;  // a second
 constexpr double kShortest = 0.1, kLongest = 3600;      // seconds of a way
 
 struct RenderCommandOptions {
-  std::string run, scene, split = "test", device = "auto";
+  std::string run, scene, split, device = "auto";
   std::string path, view, output, size = "1280x720";
   double frames_per_second = 30, seconds = 0, at = 0;
   bool original = false;
@@ -47,8 +47,10 @@ LoadedRun opened_as_edited(const CommandContext& context, const RenderCommandOpt
 void draw_views(const CommandContext& context, const RenderCommandOptions& options) {
   LoadedRun run = opened(context, options);
   RenderStageOptions stage;
-  stage.test = options.split != "train";
-  stage.train = options.split != "test";
+  stage.split = options.split == "test"    ? RenderedSplit::kTest
+                : options.split == "train" ? RenderedSplit::kTrain
+                : options.split == "all"   ? RenderedSplit::kAll
+                                           : RenderedSplit::kPictured;
   stage.progress = context.progress();
   const size_t views = render_views(run, stage);
   const std::string folder = (run.folder() / "renders").string();
@@ -118,9 +120,10 @@ void add_render_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<RenderCommandOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
-  CLI::Option* split = command->add_option("--split", options->split, "which views")
-                           ->check(CLI::IsMember({"test", "train", "all"}))
-                           ->capture_default_str();
+  CLI::Option* split =
+      command
+          ->add_option("--split", options->split, "which views: default test, or four of train without any test view")
+          ->check(CLI::IsMember({"test", "train", "all"}));
   CLI::Option* path =
       command->add_option("--path", options->path, "orbit, walk, or a file of key frames")->group("Camera");
   CLI::Option* view =

@@ -25,6 +25,11 @@ std::string novel_views(const RunMetrics& m) {
                      means.views);
 }
 
+/// As of a run of somebody's own photos that all train.
+bool nothing_to_measure(const RunMetrics& m) {
+  return m.novel_views && m.novel_views->views == 0 && !m.geometry && !m.semantics && !m.mesh_labels;
+}
+
 std::string geometry(const RunMetrics& m) {
   if (!m.geometry) return "geometry     not measured: the run has no mesh, or the scene no true mesh\n";
   const MeshProtocolResult& headline = m.geometry->headline;
@@ -63,7 +68,10 @@ std::string labels(const RunMetrics& m) {
 }  // namespace
 
 std::string metrics_summary(const RunMetrics& metrics) {
-  std::string text = novel_views(metrics) + geometry(metrics) + labels(metrics);
+  std::string text = nothing_to_measure(metrics)
+                         ? "figures      none: no photo was kept for testing (--test-every 8 keeps some), and no true "
+                           "mesh is known\n"
+                         : novel_views(metrics) + geometry(metrics) + labels(metrics);
   if (metrics.priors.find("simulated") != std::string::npos)
     text += "priors       simulated (" + metrics.priors + ")\n";
   return text;

@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "core/error.h"
+#include "metrics/mesh_culling.h"
 #include "metrics/surface_points.h"
 #include "metrics/visibility.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kBoxScale = 1.1;     // NeuRIS: truth box about its centre
-constexpr size_t kPointGrain = 1024;  // points per chunk of visibility tests
+constexpr double kBoxScale = 1.1;  // NeuRIS: truth box about its centre
 
 void require_input(const MeshEvaluationInput& input) {
   if (!input.predicted || !input.truth || input.truth->empty()) {
@@ -44,47 +42,6 @@ std::vector<Camera> culling_cameras(const MeshEvaluationInput& input, CullingVie
   std::vector<Camera> strided;
   for (size_t i = 0; i < max_cameras; ++i) strided.push_back(cameras[i * cameras.size() / max_cameras]);
   return strided;
-}
-
-/// The cameras at the resolution at which surfaces are looked at.
-std::vector<Camera> ray_cameras(const std::vector<Camera>& cameras, int columns) {
-  std::vector<Camera> resized;
-  for (const Camera& c : cameras) {
-    const int rows = std::max(1, static_cast<int>(std::lround(double(c.height) * columns / c.width)));
-    resized.push_back(c.resized(columns, rows));
-  }
-  return resized;
-}
-
-/// Truth culled to first hits, and per camera the pixels where it is hit.
-struct TruthView {
-  TriangleMesh culled;
-  std::vector<Camera> cameras;  // at ray resolution
-  std::vector<Image<uint8_t>> hit;
-};
-
-TruthView look_at_truth(const TriangleMesh& truth, const RayScene& rays, const std::vector<Camera>& cameras,
-                        ThreadPool& pool, const MeshProtocolOptions& options) {
-  TruthView view;
-  view.cameras = ray_cameras(cameras, options.ray_columns);
-  std::vector<uint8_t> keep(truth.triangles.size(), 0);
-  for (const Camera& camera : view.cameras) {
-    const FirstHits hits = rays.cast(camera, pool);
-    Image<uint8_t> mask(camera.width, camera.height, 1);
-    for (size_t i = 0; i < mask.data.size(); ++i) {
-      const uint32_t t = hits.triangle.data[i];
-      if (t == kNoTriangle) continue;
-      keep[t] = 1;
-      mask.data[i] = 1;
-    }
-    view.hit.push_back(std::move(mask));
-  }
-  view.culled = keep_triangles(truth, keep);
-  return view;
-}
-
-bool truth_hit_at(const Image<uint8_t>& mask, const Vec2d& uv) {
-  return mask.at(static_cast<int>(uv.x), static_cast<int>(uv.y)) != 0;
 }
 
 double area_of(const TriangleMesh& mesh) {
@@ -130,100 +87,6 @@ TriangleMesh aligned_prediction(const MeshEvaluationInput& input, MeshAlignment 
   return mesh;
 }
 
-struct Box {
-  Vec3d low, high;
-  bool contains(const Vec3f& p) const {
-    for (int a = 0; a < 3; ++a) {
-      if (!(p[a] >= low[a] && p[a] <= high[a])) return false;
-    }
-    return true;
-  }
-};
-
-Box scaled_box(const std::vector<Vec3f>& points, double scale) {
-  const double inf = std::numeric_limits<double>::infinity();
-  Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const Vec3f& p : points) {
-    for (int a = 0; a < 3; ++a) {
-      box.low[a] = std::min(box.low[a], double(p[a]));
-      box.high[a] = std::max(box.high[a], double(p[a]));
-    }
-  }
-  for (int a = 0; a < 3; ++a) {
-    const double centre = (box.low[a] + box.high[a]) / 2, half = (box.high[a] - box.low[a]) / 2 * scale;
-    box.low[a] = centre - half;
-    box.high[a] = centre + half;
-  }
-  return box;
-}
-
-/// Per triangle: all of it lies in the box.
-std::vector<uint8_t> triangles_in(const Box& box, const TriangleMesh& mesh) {
-  std::vector<uint8_t> keep(mesh.triangles.size(), 1);
-  for (size_t t = 0; t < keep.size(); ++t) {
-    for (const uint32_t v : mesh.triangles[t]) keep[t] &= box.contains(mesh.vertices[v]);
-  }
-  return keep;
-}
-
-/// In at least one frustum, and on no pixel, of any view, where the truth has no surface.
-bool inside_truth_masks(const Vec3f& vertex, const TruthView& view) {
-  bool seen = false;
-  for (size_t c = 0; c < view.cameras.size(); ++c) {
-    const auto uv = project_into_image(view.cameras[c], vertex.cast<double>());
-    if (!uv) continue;
-    if (!truth_hit_at(view.hit[c], *uv)) return false;
-    seen = true;
-  }
-  return seen;
-}
-
-template <class Keep>
-std::vector<uint8_t> test_points(const std::vector<Vec3f>& points, ThreadPool& pool, const Keep& keep) {
-  std::vector<uint8_t> kept(points.size(), 0);
-  pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) kept[i] = keep(points[i]);
-  });
-  return kept;
-}
-
-PointSet select(const SurfaceSamples& samples, const std::vector<uint8_t>& keep) {
-  PointSet set;
-  for (size_t i = 0; i < keep.size(); ++i) {
-    if (!keep[i]) continue;
-    set.positions.push_back(samples.positions[i]);
-    set.normals.push_back(samples.normals[i]);
-  }
-  return set;
-}
-
-/// Samples of a mesh that some camera sees; with `truth`, those where the truth is mostly missing are dropped.
-PointSet visible_samples(const SurfaceSamples& samples, const RayScene& rays, const std::vector<Camera>& cameras,
-                         const TruthView* truth, ThreadPool& pool, const MeshProtocolOptions& options, bool& capped,
-                         double& area) {
-  std::vector<Vec3d> eyes;
-  for (const Camera& c : cameras) eyes.push_back(c.centre());
-  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p) {
-    const Vec3d point = p.cast<double>();
-    size_t seen = 0, missing = 0;
-    for (size_t c = 0; c < cameras.size(); ++c) {
-      if (!project_into_image(cameras[c], point)) continue;
-      if (!rays.sees(eyes[c], point, options.occlusion_tolerance)) continue;
-      if (!truth) return true;
-      ++seen;
-      const auto uv = project_into_image(truth->cameras[c], point);
-      missing += !uv || !truth_hit_at(truth->hit[c], *uv);
-    }
-    return seen > 0 && static_cast<double>(missing) <= options.max_missing_truth * static_cast<double>(seen);
-  });
-  capped |= samples.capped;
-  PointSet visible = select(samples, keep);
-  area = samples.positions.empty() ? 0
-                                   : samples.area * static_cast<double>(visible.positions.size()) /
-                                         static_cast<double>(samples.positions.size());
-  return visible;
-}
-
 /// A mesh with what every protocol asks of it; made one after the other, a mesh of a million triangles takes seconds.
 struct Surface {
   explicit Surface(TriangleMesh m) : mesh(std::move(m)), rays(mesh) {}
@@ -261,15 +124,10 @@ class Evaluator {
     MeshProtocolResult result = named("neuris_vertices", culling, alignment);
     const TruthView& truth = truth_seen_by(culling);
     const Surface& predicted = prediction(truth, alignment, result.alignment_report);
-    const std::vector<uint8_t> inside = triangles_in(scaled_box(truth.culled.vertices, kBoxScale), predicted.mesh);
+    const std::vector<uint8_t> inside = triangles_in_box(predicted.mesh, truth.culled.vertices, kBoxScale);
     const TriangleMesh mesh =
         keep_triangles(predicted.mesh, first_hit_triangles(predicted.rays, inside, truth.cameras, pool_));
-    const std::vector<uint8_t> keep =
-        test_points(mesh.vertices, pool_, [&](const Vec3f& v) { return inside_truth_masks(v, truth); });
-    std::vector<Vec3f> vertices;
-    for (size_t i = 0; i < keep.size(); ++i) {
-      if (keep[i]) vertices.push_back(mesh.vertices[i]);
-    }
+    const std::vector<Vec3f> vertices = points_where_truth_is(mesh.vertices, truth, pool_);
     result.truth_area = area_of(truth.culled);
     result.scores = compare_points({thin_to_voxels(vertices, options_.voxel), {}},
                                    {thin_to_voxels(truth.culled.vertices, options_.voxel), {}}, pool_,
@@ -282,11 +140,15 @@ class Evaluator {
     const std::vector<Camera> cameras = culling_cameras(input_, culling, options_.max_cameras);
     const TruthView& seen = truth_seen_by(culling);
     Surface& mesh = prediction(seen, alignment, result.alignment_report);
-    const PointSet predicted = visible_samples(mesh.sampled(options_), mesh.rays, cameras, &seen, pool_, options_,
-                                               result.capped, result.predicted_area);
-    const PointSet expected = visible_samples(truth().sampled(options_), truth().rays, cameras, nullptr, pool_,
-                                              options_, result.capped, result.truth_area);
-    result.scores = compare_points(predicted, expected, pool_, {options_.threshold, false, options_.finer_thresholds});
+    const VisibleSamples predicted =
+        visible_samples(mesh.sampled(options_), mesh.rays, {cameras, &seen, options_}, pool_);
+    const VisibleSamples expected =
+        visible_samples(truth().sampled(options_), truth().rays, {cameras, nullptr, options_}, pool_);
+    result.capped = predicted.capped || expected.capped;
+    result.predicted_area = predicted.area;
+    result.truth_area = expected.area;
+    result.scores = compare_points(predicted.points, expected.points, pool_,
+                                   {options_.threshold, false, options_.finer_thresholds});
     return result;
   }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/angles.h"
-#include "core/error.h"
 #include "core/rotation_vector.h"
+#include "synth/depth_jumps.h"
 #include "synth/noise.h"
 #include "synth/shared_misjudgement.h"
 
@@ -127,140 +127,6 @@ ImageF confidence_of(const ImageF& error, const DepthJumps& jumps, const Image<u
 }
 
 }  // namespace
-
-const char* teacher_level_name(TeacherLevel level) {
-  switch (level) {
-    case TeacherLevel::kLow:
-      return "low";
-    case TeacherLevel::kMedium:
-      return "medium";
-    case TeacherLevel::kHigh:
-      return "high";
-    case TeacherLevel::kBase:
-      return "base";
-    case TeacherLevel::kSmall:
-      return "small";
-  }
-  return "";
-}
-
-TeacherLevel parse_teacher_level(const std::string& name) {
-  for (const TeacherLevel level : kTeacherLevels) {
-    if (name == teacher_level_name(level)) return level;
-  }
-  throw_usage("there is no level of errors called " + name, "use low, medium, high, base or small");
-}
-
-std::vector<std::string> teacher_level_names() {
-  std::vector<std::string> names;
-  for (const TeacherLevel level : kTeacherLevels) names.emplace_back(teacher_level_name(level));
-  return names;
-}
-
-std::optional<PublishedGeometry> published_geometry(TeacherLevel level) {
-  if (level == TeacherLevel::kMedium) return PublishedGeometry{"VGGT-1B", 0.700, 0.105};
-  if (level == TeacherLevel::kBase) return PublishedGeometry{"DA3-Base", 0.566, 0.159};
-  if (level == TeacherLevel::kSmall) return PublishedGeometry{"DA3-Small", 0.476, 0.191};
-  return std::nullopt;
-}
-
-namespace {
-
-/// The medium level with larger errors. The published means cover outdoor scenes and failures, so a room cannot have
-/// their values. Their ratios to VGGT's are kept: of 1 - AUC for cameras, of AbsRel for depth.
-GeometryTeacherSettings weaker_than_medium(TeacherLevel level) {
-  const PublishedGeometry medium = *published_geometry(TeacherLevel::kMedium), weaker = *published_geometry(level);
-  const double cameras = (1 - weaker.auc_30) / (1 - medium.auc_30), depth = weaker.abs_rel / medium.abs_rel;
-  GeometryTeacherSettings s = geometry_teacher_settings(TeacherLevel::kMedium);
-  for (double* camera_error : {&s.bend_rms, &s.bend_degrees, &s.rotation_degrees, &s.translation, &s.outlier_share,
-                               &s.shared_focal, &s.view_focal}) {
-    *camera_error *= cameras;
-  }
-  for (double* depth_error : {&s.view_scale, &s.warp_rms, &s.failure_share, &s.shared_failure_size}) {
-    *depth_error *= depth;
-  }
-  s.edge_width *= std::sqrt(depth);  // an edge's blur grows with the coarseness of the features, not with their error
-  return s;
-}
-
-}  // namespace
-
-GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {
-  if (level == TeacherLevel::kBase || level == TeacherLevel::kSmall) return weaker_than_medium(level);
-  GeometryTeacherSettings s;
-  const int i = static_cast<int>(level);
-  const auto pick = [i](double low, double medium, double high) { return i == 0 ? low : (i == 1 ? medium : high); };
-  s.bend_rms = pick(0.006, 0.014, 0.028);
-  s.bend_degrees = pick(0.8, 2.2, 4.5);
-  s.failure_share = pick(0, 0.01, 0.06);
-  s.shared_failure_share = pick(0.12, 0.26, 0.4);
-  s.rotation_degrees = pick(0.1, 0.25, 0.6);
-  s.translation = pick(0.003, 0.008, 0.02);
-  s.outlier_share = pick(0, 0.03, 0.08);
-  s.shared_focal = pick(0.005, 0.015, 0.03);
-  s.view_focal = pick(0.003, 0.007, 0.015);
-  s.view_scale = s.warp_rms = pick(0.004, 0.008, 0.015);
-  s.edge_width = pick(1.5, 2.5, 4);
-  return s;
-}
-
-DepthJumps find_depth_jumps(const RenderedView& view, int radius) {
-  const int w = view.depth.width, h = view.depth.height;
-  DepthJumps jumps{ImageF(w, h, 1), ImageF(w, h, 1)};
-  const auto point = [&](int x, int y) {
-    return view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(view.depth.at(x, y));
-  };
-  const Mat3d& rotation = view.camera.world_to_camera.rotation;
-  const auto normal = [&](int x, int y) {
-    return rotation * Vec3d{view.normal.at(x, y, 0), view.normal.at(x, y, 1), view.normal.at(x, y, 2)};
-  };
-  // A jump: each point lies off the other's tangent plane by more than 2 % of the depth (a slanted plane does not).
-  const auto jump = [&](int ax, int ay, int bx, int by) {
-    const double za = view.depth.at(ax, ay), zb = view.depth.at(bx, by);
-    if (!(za > 0) || !(zb > 0)) return false;
-    const Vec3d d = point(bx, by) - point(ax, ay);
-    return std::min(std::fabs(dot(normal(ax, ay), d)), std::fabs(dot(normal(bx, by), d))) > 0.02 * std::min(za, zb);
-  };
-  const auto spread = [&](int px, int py, int qx, int qy) {
-    // p and q touch across a jump; pixels on p's side near it learn of q's depth.
-    const double edge_x = 0.5 * (px + qx), edge_y = 0.5 * (py + qy);
-    const float zp = view.depth.at(px, py), zq = view.depth.at(qx, qy);
-    for (int y = std::max(0, py - radius); y <= std::min(h - 1, py + radius); ++y) {
-      for (int x = std::max(0, px - radius); x <= std::min(w - 1, px + radius); ++x) {
-        const float z = view.depth.at(x, y);
-        if (!(z > 0) || std::fabs(z - zp) >= std::fabs(z - zq)) continue;
-        const float d = static_cast<float>(std::hypot(x - edge_x, y - edge_y));
-        if (d > static_cast<float>(radius)) continue;
-        if (jumps.distance.at(x, y) == 0 || d < jumps.distance.at(x, y)) {
-          jumps.distance.at(x, y) = d;
-          jumps.other.at(x, y) = zq;
-        }
-      }
-    }
-  };
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{0, 1}}) {
-        if (x + dx >= w || y + dy >= h || !jump(x, y, x + dx, y + dy)) continue;
-        spread(x, y, x + dx, y + dy);
-        spread(x + dx, y + dy, x, y);
-      }
-    }
-  }
-  return jumps;
-}
-
-ImageF mix_across_edges(const ImageF& depth, const DepthJumps& jumps, double width) {
-  ImageF out = depth;
-  for (size_t i = 0; i < depth.data.size(); ++i) {
-    const float d = jumps.distance.data[i];
-    if (d <= 0 || !(depth.data[i] > 0)) continue;
-    // The sigmoid rises from 12 % to 88 % over its width; half and half on the edge.
-    const double own = 1 / (1 + std::exp(-4.0 * d / width));
-    out.data[i] = static_cast<float>(own * depth.data[i] + (1 - own) * jumps.other.data[i]);
-  }
-  return out;
-}
 
 GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views, const GeometryTeacherSettings& s,
                                           const Vec3d& centre, double extent, const Vec3d& up, Random random,

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "synth/depth_jumps.h"
 #include "synth/noise.h"
 
 namespace aligngs {

@@ -6,6 +6,7 @@
 #include "core/angles.h"
 #include "core/rotation_vector.h"
 #include "core/srgb.h"
+#include "synth/depth_jumps.h"
 
 namespace aligngs {
 namespace {

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "scene/look_at.h"
 #include "scene/triangle_mesh.h"
+#include "synth/depth_jumps.h"
 #include "synth/image_degradation.h"
 #include "synth/noise.h"
 #include "synth/teacher_geometry.h"

@@ -1,7 +1,4 @@
 #include "train/train_run.h"
-#include "core/version.h"
-#include "scene/ignored_classes.h"
-#include "scene/view_data.h"
 
 #include <fmt/format.h>
 
@@ -13,22 +10,22 @@
 #include "core/memory_budget.h"
 #include "core/shell_word.h"
 #include "core/stop_signal.h"
-#include "gaussians/morton_order.h"
+#include "core/version.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
-#include "io/colmap.h"
 #include "io/output_place.h"
 #include "refine/refined_scene.h"
 #include "train/camera_outputs.h"
+#include "train/finished_run.h"
+#include "train/first_state.h"
 #include "train/live_snapshot.h"
 #include "train/memory_fit.h"
 #include "train/neighbour_choice.h"
-#include "train/random_purpose.h"
 #include "train/run_control.h"
 #include "train/run_outputs.h"
 #include "train/scene_maintenance.h"
-#include "train/start_model.h"
 #include "train/trainer.h"
+#include "train/training_scene.h"
 #include "train/voted_objects.h"
 
 namespace aligngs {
@@ -43,32 +40,6 @@ std::string resume_command_of(const TrainOptions& options) {
   return fmt::format("aligngs train {}-o {} --resume",
                      options.scene.empty() ? "" : quote_word(options.scene.string()) + " ",
                      quote_word(options.run.string()));
-}
-
-[[noreturn]] void refuse_other_scene(const std::filesystem::path& run, const std::filesystem::path& scene) {
-  throw_bad_input(
-      run, "scene",
-      fmt::format("this run was trained on another scene than {}, or the scene has changed since", scene.string()),
-      "give the scene the run began with, or start again with --overwrite");
-}
-
-/// A finished run keeps its measurements: they are not made again with the scene of another room.
-void require_scene_of_finished(const TrainOptions& options, const RunRecord& record) {
-  if (options.scene.empty() || record.fingerprint.empty()) return;
-  if (real_place(options.scene) == real_place(scene_of_run(options.run, record))) return;
-  Scene scene = open_scene(options.scene);
-  leave_out_views(scene, record.left_out);
-  if (scene_fingerprint(scene) != record.fingerprint) refuse_other_scene(options.run, options.scene);
-}
-
-TrainResult result_of_finished(const RunRecord& record) {
-  TrainResult result;
-  result.already_finished = true;
-  result.iterations = record.train.iterations;
-  result.gaussians = record.train.gaussians;
-  result.seconds = record.train.seconds;
-  result.warnings = record.warnings;
-  return result;
 }
 
 /// One run from checked settings to its outputs; train_run handles its errors.
@@ -104,10 +75,7 @@ class Run {
   const EngineFactory& make_engine_;
   MemoryBudget budget_;
   std::optional<ThreadPool> pool_;
-  Scene scene_;
-  PriorUse use_;
-  std::string fingerprint_;
-  double extent_ = 1;
+  TrainingScene in_;
   RunRecord record_;
 };
 
@@ -127,43 +95,8 @@ void Run::warn(const std::string& message) {
 void Run::open_scene_and_check() {
   const std::filesystem::path folder = scene_folder();
   folder_.require_apart_from(folder);
-  scene_ = open_scene(folder);
-  scene_.ignored = ignored_classes(scene_.labels, config_.data.ignore);
-  if (scene_.train.empty())
-    throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
-  if (const std::string choice = choice_of_model(folder); !choice.empty()) log_warning("{}", choice);
-  log_info("checking {} views", scene_.train.size() + scene_.test.size());
-  const SceneProblem* first = nullptr;
-  size_t fatal = 0;
-  const std::vector<SceneProblem> problems = leave_out_bad_views(scene_, check_scene(scene_));
-  for (const SceneProblem& problem : problems) {
-    if (!problem.fatal) {
-      log_warning("{}: {}: {}", problem.path.string(), problem.field, problem.message);
-      continue;
-    }
-    if (!first) first = &problem;
-    ++fatal;
-  }
-  if (first) {
-    std::string message = first->message;
-    if (fatal > 1) message += fmt::format(" (and {} more problems: 'aligngs data check' lists them)", fatal - 1);
-    throw_bad_input(first->path, first->field, message, first->remedy);
-  }
-  const size_t used = scene_.train.size() + scene_.test.size();
-  require_enough(folder, used, scene_.left_out, kFewestTrainingViews, options_.strict, "views");
-  warn_left_out(used, scene_.left_out, "views");
-  use_ = decide_prior_use(scene_, config_);
-  if (options_.require_priors && !use_.warnings.empty()) {
-    throw Error(
-        {ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
-  }
-  if (!use_.depth_note.empty())
-    log_info("prior depth of {}: {}", scene_.prior_source.empty() ? "unknown origin" : scene_.prior_source,
-             use_.depth_note);
-  check_prior_confidence(scene_, config_, use_);
-  fingerprint_ = scene_fingerprint(scene_);
-  extent_ = robust_extent(scene_);
-  budget_.add("training views", predicted_view_bytes(scene_, config_, use_));
+  in_ = open_training_scene(folder, config_, {options_.strict, options_.require_priors, options_.labels_unwanted});
+  budget_.add("training views", predicted_view_bytes(in_.scene, config_, in_.use));
   budget_.require("training", kMemoryRemedy);
 }
 
@@ -173,8 +106,8 @@ void Run::require_own_scene() const {
   std::error_code none;
   const bool begun = !record.trained.empty() || std::filesystem::directory_iterator(folder_.checkpoints(), none) !=
                                                     std::filesystem::directory_iterator();
-  if (begun && !record.fingerprint.empty() && record.fingerprint != fingerprint_)
-    refuse_other_scene(folder_.path(), scene_.folder);
+  if (begun && !record.fingerprint.empty() && record.fingerprint != in_.fingerprint)
+    refuse_other_scene(folder_.path(), in_.scene.folder);
 }
 
 void Run::prepare_folder() {
@@ -189,66 +122,43 @@ void Run::prepare_folder() {
   record_.updated = utc_now();
   record_.finished.clear();
   record_.reason.clear();
-  record_.scene = relative_scene_path(folder_.path(), scene_.folder);
-  record_.fingerprint = fingerprint_;
+  record_.scene = relative_scene_path(folder_.path(), in_.scene.folder);
+  record_.fingerprint = in_.fingerprint;
   record_.left_out.clear();
-  for (const LeftOut& view : scene_.left_out) record_.left_out.push_back(view.name);
+  for (const LeftOut& view : in_.scene.left_out) record_.left_out.push_back(view.name);
   record_.warnings.clear();
   record_.trained.clear();
-  record_.prior_depth = use_.depth_note;
+  record_.prior_depth = in_.use.depth_note;
   if (!options_.camera_note.empty()) record_.cameras = options_.camera_note;
-  for (const std::string& message : use_.warnings) warn(message);
+  for (const std::string& message : in_.use.warnings) warn(message);
   // A run that exists keeps its file unless its end moves: every byte of it is the user's. A new run's record comes
-  // first: it is what
-  // says whose folder this is.
+  // first, because it tells whose folder this is.
   if (!resolved_.exists) write_run_record(folder_.record(), record_);
   if (!resolved_.exists || resolved_.extended) write_file_atomically(folder_.config(), config_to_toml(config_));
   write_run_record(folder_.record(), record_);
 }
 
 TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh) {
-  PriorScales aligned = is_refined_scene(scene_.folder)
+  PriorScales aligned = is_refined_scene(in_.scene.folder)
                             ? scales_of_agreeing_depth(inputs.guides.size())
-                            : align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit);
-  free_unplaced(use_, aligned);
+                            : align_to_points(inputs.guides, in_.scene.cloud, config_.loss.depth_align_limit);
+  free_unplaced(in_.use, aligned);
   inputs.known_scales = aligned.known;
   inputs.free_scales = aligned.free;
-  const std::vector<float>& scales = aligned.scale;
   std::optional<TrainingState> saved;
-  if (resolved_.exists) saved = read_latest_checkpoint(folder_.checkpoints(), fingerprint_);
+  if (resolved_.exists) saved = read_latest_checkpoint(folder_.checkpoints(), in_.fingerprint);
   remove_checkpoints_beyond(folder_.checkpoints(), saved ? saved->iteration : -1);
   fresh = !saved;
   if (saved) return std::move(*saved);
-  const int channels = use_.semantics ? scene_.labels.size() : 0;
-  size_t pixels = 0, all_pixels = 0;  // of the largest view, of all
-  for (const GuideView& guide : inputs.guides) {
-    const size_t size = size_t(guide.camera.width) * static_cast<size_t>(guide.camera.height);
-    pixels = std::max(pixels, size);
-    all_pixels += size;
-  }
-  const int64_t limit = start_limit(config_, pixels);
-  const StartInputs start_inputs{config_,  views, scales,  scene_.cloud, use_.depth,
-                                 channels, limit, extent_, *pool_,       is_sensor_depth(scene_.prior_source)};
-  StartModel begun =
-      make_start_model(start_inputs, random_of(static_cast<uint64_t>(config_.train.seed), RandomPurpose::kStart));
-  if (config_.densify.morton_order) sort_by_morton(begun.model);
-  log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
-  TrainingState state;
-  state.depth_scales = scales;
-  state.start.dense = begun.dense;
-  state.start.has_normals = begun.has_normals;
-  state.engine.model = std::move(begun.model);
-  const GaussianCap cap = fit_to_engine({config_, state.engine.model.size(), state.start.dense, limit, all_pixels},
-                                        {engine, views, channels, pixels}, budget_);
-  if (!cap.warning.empty()) warn(cap.warning);
-  state.start.max_gaussians = cap.gaussians;
-  return state;
+  FirstState first = first_state({in_, config_, views, aligned.scale}, engine, budget_, *pool_);
+  if (!first.warning.empty()) warn(first.warning);
+  return std::move(first.state);
 }
 
 std::vector<std::vector<int>> Run::neighbours_of(const std::vector<GuideView>& guides) {
   std::vector<Camera> cameras;
   for (const GuideView& guide : guides) cameras.push_back(guide.camera);
-  std::vector<std::vector<int>> neighbours = choose_neighbours(cameras, extent_);
+  std::vector<std::vector<int>> neighbours = choose_neighbours(cameras, in_.extent);
   const auto alone = std::count_if(neighbours.begin(), neighbours.end(), [](const auto& n) { return n.empty(); });
   if (alone > 0) {
     warn(fmt::format("{} of {} training views have no neighbour: there the multi-view terms do not act", alone,
@@ -268,24 +178,24 @@ TrainResult Run::train() {
   }
   record_.device = engine->device_name();
   write_run_record(folder_.record(), record_);
-  write_camera_outputs(folder_, scene_, config_);  // the photos' places can be looked at from the start
+  write_camera_outputs(folder_, in_.scene, config_);  // the photos' places can be looked at from the start
 
   TrainerInputs inputs;
   inputs.config = config_;
-  inputs.facts.training_views = static_cast<int>(scene_.train.size());
-  inputs.facts.prior_depth = use_.depth;
-  inputs.facts.network_cameras = scene_.has_network_depth();
-  inputs.facts.semantics = use_.semantics;
-  inputs.facts.extent = static_cast<float>(extent_);
-  inputs.fingerprint = fingerprint_;
-  inputs.labels = scene_.labels;
+  inputs.facts.training_views = static_cast<int>(in_.scene.train.size());
+  inputs.facts.prior_depth = in_.use.depth;
+  inputs.facts.network_cameras = in_.scene.has_network_depth();
+  inputs.facts.semantics = in_.use.semantics;
+  inputs.facts.extent = static_cast<float>(in_.extent);
+  inputs.fingerprint = in_.fingerprint;
+  inputs.labels = in_.scene.labels;
   inputs.resume_command = resume_command_of(options_);
   inputs.progress = options_.progress;
-  std::vector<TrainingView> views = load_training_views(scene_, config_, use_, *pool_);
+  std::vector<TrainingView> views = load_training_views(in_.scene, config_, in_.use, *pool_);
   for (const TrainingView& view : views) {
     inputs.facts.image_side = std::max({inputs.facts.image_side, view.data.camera.width, view.data.camera.height});
   }
-  inputs.guides = guides_of(views, use_, config_, extent_);
+  inputs.guides = guides_of(views, in_.use, config_, in_.extent);
   if (multi_view) {
     inputs.neighbours = neighbours_of(inputs.guides);
   }
@@ -294,7 +204,7 @@ TrainResult Run::train() {
   inputs.load_views = [this](double scale) {
     TrainConfig at_scale = config_;
     at_scale.data.scale *= scale;
-    return load_training_views(scene_, at_scale, use_, *pool_);
+    return load_training_views(in_.scene, at_scale, in_.use, *pool_);
   };
   const double scale = Schedule(config_, inputs.facts).view_scale(state.iteration + 1);
   if (scale != 1) {
@@ -308,18 +218,18 @@ TrainResult Run::train() {
   state = trainer.run(std::move(state));
 
   if (!state.motions.empty()) {
-    apply_motions(state.motions, scene_);
-    write_camera_outputs(folder_, scene_, config_);
+    apply_motions(state.motions, in_.scene);
+    write_camera_outputs(folder_, in_.scene, config_);
   }
   GaussianModel model;
   engine->store(model);
   GaussianLabels labels;
   if (model.semantic_channels > 0) {
-    labels = best_labels(smoothed_labels(model, robust_extent(scene_), *pool_), scene_.labels);
-    const size_t objects = number_objects(model, scene_, config_, labels, *pool_).size();
-    if (votes_for_objects(scene_, config_)) log_info("{} objects by votes of the photos' segments", objects);
+    labels = best_labels(smoothed_labels(model, robust_extent(in_.scene), *pool_), in_.scene.labels);
+    const size_t objects = number_objects(model, in_.scene, config_, labels, *pool_).size();
+    if (votes_for_objects(in_.scene, config_)) log_info("{} objects by votes of the photos' segments", objects);
   }
-  write_scene_files(folder_.path(), model, scene_.labels, labels);
+  write_scene_files(folder_.path(), model, in_.scene.labels, labels);
   record_.trained = utc_now();
   record_end("done", "all iterations done");
   TrainResult result;

@@ -26,12 +26,13 @@ struct TrainOptions {
   EngineFactory make_engine;  ///< of the device to train on; empty: the CPU
   int threads = 0;            ///< 0: all hardware threads; the result does not depend on it
   bool resume = false, overwrite = false;
-  bool require_priors = false;  ///< missing depth or semantics are Error{kWeights} instead of a warning
-  bool strict = false;          ///< a view that cannot be used is Error{kBadInput} instead of being left out
-  uint64_t memory_limit = 0;    ///< bytes; 0: 80 % of what is free
-  std::string command_line;     ///< as typed, for run.json
-  std::string camera_note;      ///< of the check of a sensor's cameras, for run.json
-  std::string resume_command;   ///< shown after an interruption; empty: "aligngs train SCENE -o RUN --resume"
+  bool require_priors = false;   ///< missing depth or semantics are Error{kWeights} instead of a warning
+  bool labels_unwanted = false;  ///< a scene without semantics was asked for: no warning
+  bool strict = false;           ///< a view that cannot be used is Error{kBadInput} instead of being left out
+  uint64_t memory_limit = 0;     ///< bytes; 0: 80 % of what is free
+  std::string command_line;      ///< as typed, for run.json
+  std::string camera_note;       ///< of the check of a sensor's cameras, for run.json
+  std::string resume_command;    ///< shown after an interruption; empty: "aligngs train SCENE -o RUN --resume"
   ProgressStyle progress;
 };
 

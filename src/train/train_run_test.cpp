@@ -161,6 +161,14 @@ TEST_F(TrainRun, ADeviceTooSmallForTheStartIsAResourceErrorBeforeTheFirstStep) {
   EXPECT_FALSE(fs::exists(o.run / "events.ndjson"));
 }
 
+TEST_F(TrainRun, LabelsThatNobodyWantsAreNoWarning) {
+  fs::remove_all(scene_ / "segmentation_logits");
+  TrainOptions o = options("a");
+  o.labels_unwanted = true;
+  EXPECT_TRUE(train_run(o, plain_engine()).warnings.empty());
+  EXPECT_TRUE(record(o).warnings.empty());
+}
+
 TEST_F(TrainRun, MissingPriorsAreSaidOrRefused) {
   fs::remove_all(scene_ / "segmentation_logits");
   TrainOptions o = options("a");

@@ -2,35 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <limits>
 #include <string_view>
-#include <thread>
 
 #include "core/error.h"
-#include "core/log.h"
 #include "core/memory_budget.h"
+#include "core/steady_seconds.h"
 #include "core/stop_signal.h"
-#include "train/closed_room.h"
-#include "train/live_snapshot.h"
 #include "train/neighbour_choice.h"
-#include "train/photo_labels.h"
+#include "train/plane_targets.h"
 #include "train/random_purpose.h"
-#include "train/scene_maintenance.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a few epochs of a small scene
-constexpr double kLookEvery = 0.1;       // seconds between looks for flags: four file names that mostly do not exist
-constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more often is not seen any better
-constexpr double kSnapshotShare = 0.05;  // of the time, at most, goes into snapshots
-
-double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+constexpr double kAverageKeep = 0.98;  // running mean over about 50 steps: a few epochs of a small scene
 
 Random generator(const TrainConfig& config, RandomPurpose purpose) {
   return random_of(static_cast<uint64_t>(config.train.seed), purpose);
@@ -112,7 +98,7 @@ TrainingState Trainer::run(TrainingState state) {
   Progress progress(in_.progress, "train", static_cast<uint64_t>(last), static_cast<uint64_t>(state_.iteration));
   seconds_before_ = state_.seconds;
   iterations_before_ = state_.iteration;
-  begun_ = now_seconds();
+  begun_ = steady_seconds();
   while (state_.iteration < last) {
     if (stop_requested()) stop_here();
     obey();
@@ -125,7 +111,7 @@ TrainingState Trainer::run(TrainingState state) {
 }
 
 void Trainer::iterate(int64_t iteration, EventLog& events) {
-  const double begun = now_seconds();
+  const double begun = steady_seconds();
   StepRequest request = schedule_.request(iteration);
   if (schedule_.view_scale(iteration) != view_scale_) {
     view_scale_ = schedule_.view_scale(iteration);
@@ -167,42 +153,10 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
     }
     if (iteration % in_.config.train.log_every == 0 || iteration == in_.config.train.iterations) {
       events.step({iteration, in_.guides[static_cast<size_t>(request.view)].name, &report_, engine_.size(),
-                   now_seconds() - begun});
+                   steady_seconds() - begun});
     }
   }
   maintain_scene(iteration, events);
-}
-
-void Trainer::maintain_scene(int64_t iteration, EventLog& events) {
-  const RasterSettings raster = schedule_.request(iteration).raster;
-  if (schedule_.densifies(iteration)) {
-    events.restructured(iteration, "densify",
-                        schedule_.uses_mcmc()
-                            ? grow_by_mcmc(engine_, schedule_.mcmc_rule(), density_random_)
-                            : control_density(engine_, schedule_.density_rule(iteration), density_random_));
-  }
-  if (schedule_.resets_opacity(iteration)) {
-    engine_.reset_opacity(kResetOpacity);
-    events.message(iteration, "opacity_reset", fmt::format("opacities capped at {}", kResetOpacity));
-  }
-  if (schedule_.prunes_free_space(iteration)) {
-    events.restructured(
-        iteration, "free_space",
-        prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config, in_.facts.extent, raster, pool_));
-  }
-  if (schedule_.raises_scales(iteration))
-    raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
-  if (schedule_.aligns_prior_depth(iteration)) {
-    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.free_scales, in_.config.loss.depth_align_limit,
-                        raster, state_.depth_scales);
-  }
-  if (schedule_.fits_planes(iteration)) fit_planes_now(iteration, events);
-  if (schedule_.closes_room(iteration)) close_room_now(iteration, events);
-  if (schedule_.names_objects(iteration)) name_objects_now(iteration, events);
-  if (engine_.size() > 0) return;
-  throw Error(
-      {ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
-       "check the scene with 'aligngs data check'; prune less (densify.prune_opacity, densify.free_space_every=0)"});
 }
 
 void Trainer::place_cameras() {
@@ -226,132 +180,6 @@ void Trainer::give_views() {
   draw_to_planes(state_.planes, in_.config.loss.plane_weight, views);
   engine_.set_training_views(std::move(views));
   place_cameras();
-}
-
-RenderOptions Trainer::labelled_rendering(int64_t iteration) const {
-  RenderOptions render;
-  render.raster = schedule_.request(iteration).raster;
-  render.semantic_blend = in_.config.semantic.blend;
-  return render;
-}
-
-void Trainer::fit_planes_now(int64_t iteration, EventLog& events) {
-  const PlaneSurfaces surfaces =
-      in_.config.data.refine_tables ? PlaneSurfaces::kLayoutAndTables : PlaneSurfaces::kLayout;
-  const std::vector<PlaneClass> classes = plane_classes(in_.labels, surfaces);
-  state_.planes = fit_plane_targets(
-      engine_, {in_.guides, classes, state_.depth_scales, labelled_rendering(iteration), in_.config.data.refine_square},
-      pool_);
-  give_views();
-  events.message(
-      iteration, "planes",
-      fmt::format("planes of walls, floor and ceiling under {:.0f} % of the pixels", 100 * state_.planes.share()));
-}
-
-void Trainer::close_room_now(int64_t iteration, EventLog& events) {
-  const size_t cap = state_.start.max_gaussians;
-  const size_t most = cap > 0 ? most_in_closed_room(cap) : std::numeric_limits<size_t>::max();
-  const size_t added =
-      close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);
-  if (added == 0) return;
-  events.message(iteration, "closed_room",
-                 fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
-  log_info("closed room: {} Gaussians for walls, floor and ceiling that no photo shows", added);
-}
-
-/// Before the last checkpoint, so that whoever opens the run, edits it or goes on with it finds the same rows.
-void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
-  PhotoLabelInputs inputs;
-  inputs.views = in_.load_views(1);
-  for (size_t v = 0; v < inputs.views.size(); ++v) {
-    inputs.views[v].data.camera.world_to_camera = in_.guides[v].camera.world_to_camera;
-    inputs.near_planes.push_back(in_.guides[v].near_plane);
-  }
-  inputs.raster = schedule_.request(iteration).raster;
-  inputs.extent = in_.facts.extent;
-  EngineState state;
-  engine_.save_state(state);
-  const PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
-  if (report.regions == 0) return;
-  engine_.load_state(state);
-  events.message(
-      iteration, "labels",
-      fmt::format(
-          "{} regions named by the photos, {} of them against their commonest name; {} Gaussians moved at outlines",
-          report.regions, report.renamed, report.moved));
-}
-
-void Trainer::handle_non_finite(const StepReport& report, int view, EventLog& events) {
-  ++state_.non_finite_steps;
-  const NonFinite& bad = report.non_finite;
-  const std::string& name = in_.guides[static_cast<size_t>(view)].name;
-  const std::string what =
-      bad.gaussian >= 0
-          ? fmt::format("iteration {}: {} of Gaussian {} became non-finite in view {}", state_.iteration, bad.term,
-                        bad.gaussian, name)
-          : fmt::format("iteration {}: loss {} became non-finite in view {}", state_.iteration, bad.term, name);
-  log_warning("{}; the step was rolled back{}", what, bad.gaussian >= 0 ? " and the Gaussian removed" : "");
-  events.message(state_.iteration, "non_finite", what);
-  if (bad.gaussian >= 0) remove_gaussian(engine_, bad.gaussian);
-  if (state_.non_finite_steps < kNonFiniteLimit || engine_.size() == 0) return;
-  write_state();
-  throw Error(
-      {ErrorKind::kFailed, fmt::format("{}; {} such steps are the limit", what, kNonFiniteLimit), folder_.path(),
-       bad.term,
-       "check this view with 'aligngs data check'; lower the learning rates (optimizer.*) or loss weights (loss.*)"});
-}
-
-void Trainer::stop_here() {
-  if (checkpointed_ != state_.iteration) write_state();
-  throw Error({ErrorKind::kInterrupted,
-               fmt::format("stopped at iteration {} of {}, a checkpoint is written", state_.iteration,
-                           in_.config.train.iterations),
-               folder_.path(),
-               {},
-               "resume with: " + in_.resume_command});
-}
-
-void Trainer::obey() {
-  if (now_seconds() < look_at_) return;
-  obey_once();
-  if (control_.asked(RunControl::Flag::kPause)) {
-    log_info("paused at iteration {}; remove {} to continue", state_.iteration,
-             control_.file(RunControl::Flag::kPause).string());
-    record_.status = "paused";
-    record_.updated = utc_now();
-    write_run_record(folder_.record(), record_);
-    while (control_.asked(RunControl::Flag::kPause)) {
-      const double rested = now_seconds();
-      std::this_thread::sleep_for(std::chrono::duration<double>(kLookEvery));
-      begun_ += now_seconds() - rested;  // a rest is no training time
-      if (stop_requested()) stop_here();
-      obey_once();
-    }
-    record_.status = "running";
-    record_.updated = utc_now();
-    write_run_record(folder_.record(), record_);
-  }
-  look_at_ = now_seconds() + kLookEvery;
-}
-
-void Trainer::obey_once() {
-  if (control_.take(RunControl::Flag::kStop)) stop_here();
-  if (control_.take(RunControl::Flag::kCheckpoint) && checkpointed_ != state_.iteration) write_state();
-  if (now_seconds() >= snapshot_at_ && control_.take(RunControl::Flag::kSnapshot)) publish_snapshot();
-}
-
-/// Someone who looks on must never end a training: a full disk is only told.
-void Trainer::publish_snapshot() {
-  const double begun = now_seconds();
-  try {
-    GaussianModel model;
-    engine_.store(model);
-    write_live_snapshot(folder_, model, in_.labels, pool_);
-  } catch (const Error& error) {
-    log_warning("no live picture: {}", error.what());
-  }
-  const double now = now_seconds();
-  snapshot_at_ = now + std::max(kSnapshotEvery, (now - begun) / kSnapshotShare);
 }
 
 void Trainer::write_state() {
@@ -392,6 +220,6 @@ void Trainer::update_progress(const StepReport& report, Progress& progress) cons
   progress.update(static_cast<uint64_t>(state_.iteration), fmt::format("{}  {} Gaussians ", text, engine_.size()));
 }
 
-double Trainer::seconds_since_start() const { return now_seconds() - begun_; }
+double Trainer::seconds_since_start() const { return steady_seconds() - begun_; }
 
 }  // namespace aligngs

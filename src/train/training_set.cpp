@@ -122,8 +122,7 @@ PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config) {
   if (config.data.semantics && scene.has_semantics()) {
     use.semantics = true;
   } else if (config.data.semantics) {
-    use.warnings.push_back(
-        "not every training view has semantics (segmentation_logits/): training goes on without labels");
+    use.warnings.emplace_back(kWithoutLabels);
   }
   return use;
 }

@@ -28,6 +28,10 @@ struct PriorUse {
   bool is_unplaced(size_t training_view) const;
 };
 
+/// The warning of a scene without class scores.
+inline constexpr const char* kWithoutLabels =
+    "not every training view has semantics (segmentation_logits/): training goes on without labels";
+
 /// Prior depth in scene units is metric. Depth of another scale is metric if it fits the scene's points to 5 %, or,
 /// without points, itself between views to 20 %. Otherwise only its correlation with the rendered depth is used. Reads
 /// the maps of depth that is not in scene units. Error{kBadInput} naming a file that cannot be read.

@@ -28,8 +28,6 @@ code{background:#f3f4f6;border-radius:4px;padding:1px 5px;user-select:all}
 /// The columns that a page has room for; the CSV has all.
 constexpr Score kShown[] = {Score::kPsnr,    Score::kSsim, Score::kAccuracy, Score::kCompleteness, Score::kFscore,
                             Score::kNormals, Score::kMiou, Score::kSeconds,  Score::kGaussians};
-constexpr const char* kKinds[][2] = {
-    {"gt", "photo"}, {"rgb", "render"}, {"depth", "depth"}, {"normal", "normals"}, {"label", "labels"}};
 
 std::string link_to(const std::string& room, const char* file) { return fmt::format("rooms/{}/{}", room, file); }
 
@@ -72,22 +70,25 @@ std::string figures(const BatchFolder& folder, const std::vector<RoomStatus>& ro
   return html + "</table>";
 }
 
-/// The first test view of each room.
+/// A view of each room.
 std::string pictures(const BatchFolder& folder, const std::vector<RoomStatus>& rooms) {
   std::string rows;
   for (const RoomStatus& s : rooms) {
     const fs::path run = folder.run(s.room.name);
-    if (s.state != RoomState::kDone || !fs::exists(run / "renders" / "test" / "rgb")) continue;
-    const std::vector<std::string> views = rendered_views(run, "test");
-    if (views.empty()) continue;
+    if (s.state != RoomState::kDone) continue;
+    const ShownRenders shown = shown_renders(run);
+    if (shown.views.empty()) continue;
     rows += fmt::format("<tr><td>{}</td>", escape_html(s.room.name));
-    for (const auto& [kind, title] : kKinds)
-      rows += picture_cell(run / "renders" / "test" / kind / (views.front() + ".png"));
+    for (const RenderKind& kind : kRenderKinds) {
+      if (kind.in_overview) rows += picture_cell(shown.folder(run) / kind.folder / (shown.views.front() + ".png"));
+    }
     rows += "</tr>";
   }
   if (rows.empty()) return "";
-  std::string html = "<h2>A test view of each room</h2><div class=\"views\"><table><tr><th></th>";
-  for (const auto& [kind, title] : kKinds) html += fmt::format("<th>{}</th>", title);
+  std::string html = "<h2>A view of each room</h2><div class=\"views\"><table><tr><th></th>";
+  for (const RenderKind& kind : kRenderKinds) {
+    if (kind.in_overview) html += fmt::format("<th>{}</th>", kind.title);
+  }
   return html + "</tr>" + rows + "</table></div>";
 }
 

@@ -19,7 +19,7 @@ nlohmann::ordered_json batch_json(const BatchFolder& folder, const std::vector<R
 void write_batch_json(const std::filesystem::path& file, const BatchFolder& folder,
                       const std::vector<RoomStatus>& rooms);
 
-/// Failures first with the commands that try again, then figures, then a test view of each room.
+/// Failures first with the commands that try again, then figures, then a view of each room.
 std::string batch_page(const BatchFolder& folder, const std::vector<RoomStatus>& rooms);
 
 }  // namespace aligngs

@@ -31,7 +31,7 @@ table{border-collapse:collapse} td,th{padding:3px 10px;text-align:right;border-b
 td:first-child,th:first-child{text-align:left}
 .cards{display:flex;flex-wrap:wrap;gap:10px} .card{border:1px solid #e5e7eb;border-radius:8px;padding:8px 14px;min-width:110px}
 .card b{display:block;font-size:20px} .note{background:#fef9c3;border-radius:6px;padding:6px 10px;margin:8px 0}
-.views{overflow-x:auto} .views img{width:190px;display:block;image-rendering:auto} .views td{padding:2px;border:0}
+.views{overflow-x:auto} .views img{width:148px;display:block;image-rendering:auto} .views td{padding:2px;border:0}
 pre{background:#f8fafc;padding:10px;overflow:auto;font-size:12.5px} svg{max-width:100%}
 .chart-title{font:600 13px system-ui} .tick,.legend{font:11px system-ui} .tick{fill:#6b7280} .grid{stroke:#e5e7eb}
 )";
@@ -41,11 +41,14 @@ std::string number(double value, const char* format) {
   return std::isnan(value) ? "–" : fmt::format(fmt::runtime(format), value);
 }
 
-std::string card(const std::string& name, const std::string& value) {
-  return fmt::format("<div class=\"card\"><b>{}</b>{}</div>", value, escape_html(name));
+/// Nothing for a figure that was not measured.
+std::string card(const std::string& name, double value, const char* format) {
+  if (std::isnan(value)) return "";
+  return fmt::format("<div class=\"card\"><b>{}</b>{}</div>", number(value, format), escape_html(name));
 }
 
-std::string summary(const RunMetrics& metrics) {
+/// `training_psnr` (dB) is shown where no test view was measured.
+std::string summary(const RunMetrics& metrics, double training_psnr) {
   const NovelViewMetrics views = metrics.novel_views.value_or(NovelViewMetrics());
   const auto mesh = [&](double MeshScores::*figure) {
     return metrics.geometry ? metrics.geometry->headline.scores.*figure : kUndefined;
@@ -53,30 +56,55 @@ std::string summary(const RunMetrics& metrics) {
   const double fscore_2cm = metrics.geometry ? finer_fscore(metrics.geometry->headline.scores, 0.02) : kUndefined;
   const double normal_error = metrics.geometry ? metrics.geometry->surface.normal_error.median : kUndefined;
   const double gaussians = metrics.train.gaussians ? static_cast<double>(*metrics.train.gaussians) : kUndefined;
-  return "<div class=\"cards\">" + card("PSNR (dB)", number(views.psnr, "{:.2f}")) +
-         card("SSIM", number(views.ssim, "{:.3f}")) +
-         card("F-score at 5 cm", number(mesh(&MeshScores::fscore), "{:.3f}")) +
-         card("F-score at 2 cm", number(fscore_2cm, "{:.3f}")) +
-         card("normal error (degrees)", number(normal_error, "{:.1f}")) +
-         card("accuracy (m)", number(mesh(&MeshScores::accuracy), "{:.3f}")) +
-         card("completeness (m)", number(mesh(&MeshScores::completeness), "{:.3f}")) +
+  const bool tested = !std::isnan(views.psnr);
+  return "<div class=\"cards\">" + card("PSNR of test views (dB)", views.psnr, "{:.2f}") +
+         card("PSNR of training views (dB)", tested ? kUndefined : training_psnr, "{:.2f}") +
+         card("SSIM", views.ssim, "{:.3f}") + card("F-score at 5 cm", mesh(&MeshScores::fscore), "{:.3f}") +
+         card("F-score at 2 cm", fscore_2cm, "{:.3f}") + card("normal error (degrees)", normal_error, "{:.1f}") +
+         card("accuracy (m)", mesh(&MeshScores::accuracy), "{:.3f}") +
+         card("completeness (m)", mesh(&MeshScores::completeness), "{:.3f}") +
          card(fmt::format("mIoU, classes with at least {:g} % of the pixels", 100 * kLeastClassShare),
-              number(metrics.semantics ? metrics.semantics->miou : kUndefined, "{:.3f}")) +
-         card("mIoU, all classes present",
-              number(metrics.semantics ? metrics.semantics->present_miou : kUndefined, "{:.3f}")) +
-         card("Gaussians", number(gaussians, "{:.0f}")) +
-         card("training (s)", number(metrics.train.seconds, "{:.1f}")) + "</div>";
+              metrics.semantics ? metrics.semantics->miou : kUndefined, "{:.3f}") +
+         card("mIoU, all classes present", metrics.semantics ? metrics.semantics->present_miou : kUndefined, "{:.3f}") +
+         card("Gaussians", gaussians, "{:.0f}") + card("training (s)", metrics.train.seconds, "{:.1f}") + "</div>" +
+         (tested ? "" : "<p>No photo was kept for testing: how well new views look was not measured.</p>");
+}
+
+/// The files of the run that other programs open, and the commands that show it and write more.
+std::string products(const fs::path& run) {
+  const std::pair<const char*, const char*> files[] = {{"scene.ply", "splats"},
+                                                       {"mesh/mesh.ply", "mesh"},
+                                                       {"scene.labels.ply", "splats with classes and objects"},
+                                                       {"room.json", "measures of the room"},
+                                                       {"metrics.json", "all figures"}};
+  std::string links;
+  for (const auto& [file, title] : files) {
+    if (!fs::exists(run / file)) continue;
+    links += fmt::format("{}<a href=\"{}\">{}</a>", links.empty() ? "" : ", ", file, title);
+  }
+  return "<p>" + (links.empty() ? "" : "Files: " + links + ". ") +
+         "<code>aligngs view</code> shows the room in the browser, and <code>aligngs export</code> writes other "
+         "formats.</p>";
 }
 
 std::string pictures(const fs::path& run) {
-  const std::vector<std::string> names = rendered_views(run, "test");
-  if (names.empty()) return "<p>No renders: <code>aligngs render RUN</code> makes them.</p>";
-  std::string html = "<div class=\"views\"><table><tr><th>view</th>";
-  for (const char* kind : kRenderKinds) html += fmt::format("<th style=\"text-align:left\">{}</th>", kind);
+  const ShownRenders shown = shown_renders(run);
+  const std::vector<std::string>& names = shown.views;
+  if (names.empty()) return "<h2>Renders</h2><p>No renders: <code>aligngs render RUN</code> makes them.</p>";
+  std::string html = shown.split == "test" ? "<h2>Renders of test views</h2>"
+                                           : "<h2>Renders of training views</h2><p>Training has seen these photos.</p>";
+  html += "<div class=\"views\"><table><tr><th>view</th>";
+  for (const RenderKind& kind : kRenderKinds) {
+    if (fs::exists(shown.folder(run) / kind.folder))
+      html += fmt::format("<th style=\"text-align:left\">{}</th>", kind.title);
+  }
   html += "</tr>";
   for (size_t i = 0; i < names.size() && i < size_t(kMaxViewsOnPage); ++i) {
     html += "<tr><td>" + escape_html(names[i]) + "</td>";
-    for (const char* kind : kRenderKinds) html += picture_cell(run / "renders" / "test" / kind / (names[i] + ".png"));
+    for (const RenderKind& kind : kRenderKinds) {
+      if (fs::exists(shown.folder(run) / kind.folder))
+        html += picture_cell(shown.folder(run) / kind.folder / (names[i] + ".png"));
+    }
     html += "</tr>";
   }
   return html + "</table></div>";
@@ -133,15 +161,26 @@ std::string loss_charts(const std::vector<Json>& events) {
   return html;
 }
 
-std::string charts(const fs::path& run) {
+std::vector<Json> events_of(const fs::path& run) {
   const fs::path file = run / "events.ndjson";
-  if (!fs::exists(file)) return "";
   std::vector<Json> events;
+  if (!fs::exists(file)) return events;
   std::istringstream lines(read_file(file));
   for (std::string line; std::getline(lines, line);) {
     Json event = parse_json(line);
     if (event.is_object()) events.push_back(std::move(event));
   }
+  return events;
+}
+
+/// Running mean of the PSNR of training views, as the chart ends; undefined without steps.
+double training_psnr_of(const std::vector<Json>& events) {
+  const std::vector<ChartSeries> series = series_of(events, {"psnr"});
+  return series.empty() ? kUndefined : smoothed(series[0]).points.back().second;
+}
+
+std::string charts(const std::vector<Json>& events) {
+  if (events.empty()) return "";
   std::vector<ChartSeries> total = series_of(events, {"total"});
   for (ChartSeries& s : total) s = smoothed(std::move(s));
   std::vector<ChartSeries> quality = series_of(events, {"psnr"});
@@ -222,9 +261,9 @@ std::string html_report(const fs::path& run) {
       "content=\"width=device-width\"><title>" +
       escape_html(title) + "</title><style>" + kReportStyle + "</style><h1>" + escape_html(title) + "</h1>";
   html += "<p><code>" + escape_html(record.command) + "</code></p>";
-  html += notes(record, metrics.priors) + summary(metrics);
-  html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics.geometry) +
-          per_view_table(metrics.views) + charts(run);
+  const std::vector<Json> events = events_of(run);
+  html += notes(record, metrics.priors) + summary(metrics, training_psnr_of(events)) + products(run);
+  html += pictures(run) + geometry_table(metrics.geometry) + per_view_table(metrics.views) + charts(events);
   html += "<h2>Settings</h2><details><summary>config.toml</summary><pre>" + escape_html(config) + "</pre></details>";
   return html + "</html>\n";
 }

@@ -9,6 +9,7 @@
 
 #include "engine/loss_catalogue.h"
 #include "io/atomic_file.h"
+#include "io/image_file.h"
 
 namespace aligngs {
 namespace {
@@ -50,6 +51,27 @@ TEST(HtmlReport, LeavesOutLossesThatNeverAct) {
   EXPECT_THAT(html, HasSubstr(">crease</text>"));
   EXPECT_THAT(html, Not(HasSubstr(">pearson</text>")));
   EXPECT_THAT(html, Not(HasSubstr("losses on classes")));
+}
+
+TEST(HtmlReport, FiguresThatWereNotMeasuredHaveNoCard) {
+  const std::string html = report_with(fresh_folder(), {Loss::kL1});
+  EXPECT_THAT(html, HasSubstr("PSNR of training views (dB)"));
+  EXPECT_THAT(html, Not(HasSubstr("PSNR of test views (dB)")));
+  EXPECT_THAT(html, Not(HasSubstr("F-score")));
+  EXPECT_THAT(html, HasSubstr("No photo was kept for testing"));
+}
+
+TEST(HtmlReport, WithoutTestViewsTrainingViewsAreShown) {
+  const std::filesystem::path run = fresh_folder();
+  for (const char* kind : {"rgb", "gt"}) {
+    std::filesystem::create_directories(run / "renders" / "train" / kind);
+    write_png(run / "renders" / "train" / kind / "kitchen_1.png", Image<uint8_t>(4, 3, 3, 128));
+  }
+  write_report(run);
+  const std::string html = html_report(run);
+  EXPECT_THAT(html, HasSubstr("Renders of training views"));
+  EXPECT_THAT(html, HasSubstr("kitchen_1"));
+  EXPECT_TRUE(std::filesystem::exists(run / "overview.jpg"));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "cli/report/overview.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "cli/report/picture_title.h"
 #include "io/image_file.h"
@@ -36,21 +35,29 @@ std::vector<std::string> rendered_views(const fs::path& run, const std::string& 
   return names;
 }
 
+ShownRenders shown_renders(const fs::path& run) {
+  for (const char* split : {"test", "train"}) {
+    ShownRenders shown{split, rendered_views(run, split)};
+    if (!shown.views.empty()) return shown;
+  }
+  return {"test", {}};
+}
+
 void write_overview(const fs::path& run) {
-  const std::vector<std::string> names = rendered_views(run, "test");
+  const ShownRenders shown = shown_renders(run);
+  const std::vector<std::string>& names = shown.views;
   if (names.empty()) return;
-  std::vector<std::pair<std::string, std::string>> kinds;  // folder and title
-  for (const auto& [kind, title] : {std::pair("gt", "photo"), std::pair("rgb", "render"), std::pair("depth", "depth"),
-                                    std::pair("normal", "normals"), std::pair("label", "labels")}) {
-    if (fs::exists(run / "renders" / "test" / kind)) kinds.emplace_back(kind, title);
+  std::vector<RenderKind> kinds;
+  for (const RenderKind& kind : kRenderKinds) {
+    if (kind.in_overview && fs::exists(shown.folder(run) / kind.folder)) kinds.push_back(kind);
   }
   const int rows = std::min<int>(kRows, static_cast<int>(names.size()));
   Image<uint8_t> canvas;
   for (int r = 0; r < rows; ++r) {
-    // Spread over the test views: the first few are often neighbours.
+    // Spread over the views: the first few are often neighbours.
     const std::string& name = names[size_t(r) * (names.size() - 1) / std::max(1, rows - 1)];
     for (size_t k = 0; k < kinds.size(); ++k) {
-      const fs::path file = run / "renders" / "test" / kinds[k].first / (name + ".png");
+      const fs::path file = shown.folder(run) / kinds[k].folder / (name + ".png");
       if (!fs::exists(file)) continue;
       const Image<uint8_t> picture = read_image(file);
       if (canvas.empty()) {
@@ -58,7 +65,7 @@ void write_overview(const fs::path& run) {
                                 kTitleHeight + rows * (picture.height + kGap) - kGap, 3, 255);
       }
       const int x = static_cast<int>(k) * (picture.width + kGap);
-      if (r == 0) draw_title(canvas, x, 0, kinds[k].second);
+      if (r == 0) draw_title(canvas, x, 0, kinds[k].title);
       paste(picture, canvas, x, kTitleHeight + r * (picture.height + kGap));
     }
   }

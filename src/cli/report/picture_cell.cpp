@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/report/svg_chart.h"
 #include "io/base64.h"
 #include "io/image_file.h"
 #include "io/resample.h"
@@ -23,7 +24,8 @@ std::string picture_cell(const std::filesystem::path& file) {
     image = to_bytes(resize_area(to_float(image), kPictureWidth, height));
   }
   const std::vector<uint8_t> jpeg = encode_jpeg(image, kPictureQuality);
-  return "<td><img alt=\"\" src=\"data:image/jpeg;base64," +
+  const std::string what = file.parent_path().filename().string() + " of " + file.stem().string();
+  return "<td><img alt=\"" + escape_html(what) + "\" src=\"data:image/jpeg;base64," +
          base64_text({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}) + "\"></td>";
 }
 

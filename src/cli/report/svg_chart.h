@@ -24,6 +24,10 @@ std::string svg_line_chart(const ChartOptions& options, const std::vector<ChartS
 /// Ticks at 1, 2 or 5 times a power of ten that cover [low, high].
 std::vector<double> round_ticks(double low, double high, int wanted);
 
+/// log10 of ticks at 1, 2 and 5, or fewer of these, times powers of ten in [10^low, 10^high]. Even ticks where the range
+/// is too small for one of these.
+std::vector<double> log_ticks(double low, double high, int wanted);
+
 /// &, <, > and quotes escaped for HTML and SVG.
 std::string escape_html(const std::string& text);
 

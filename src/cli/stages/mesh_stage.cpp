@@ -1,5 +1,6 @@
 #include "cli/stages/mesh_stage.h"
 
+#include "cli/stages/pictured_views.h"
 #include "cli/stages/surface_pictures.h"
 #include "core/error.h"
 #include "core/is_depth.h"
@@ -248,10 +249,11 @@ MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
   if (run.has_labels() && rendered) result.labels = label_mesh(fused.mesh, frames, *run.pool);
   result.file = file;
   write_mesh_ply(result.file, fused.mesh);
+  const PicturedViews pictured = pictured_views(run.scene());
   const std::filesystem::path pictures = options.output.empty() && options.pictures.empty()
-                                             ? run.folder() / "renders" / "test" / "surface"
+                                             ? run.folder() / "renders" / pictured.split / "surface"
                                              : options.pictures;
-  if (!pictures.empty()) write_surface_pictures(run, fused.mesh, pictures);
+  if (!pictures.empty()) write_surface_pictures(run, fused.mesh, pictured.views, pictures);
   log_info("{}", fused.report.text());
   return result;
 }

@@ -25,7 +25,7 @@ using TsdfDeviceFactory = std::function<std::shared_ptr<TsdfDevice>()>;
 struct MeshStageOptions {
   DepthSource source = DepthSource::kRendered;
   std::filesystem::path output;  ///< empty: mesh/mesh.ply of the run
-  /// folder for pictures of the mesh from the test views; empty: renders/test/surface for the run's mesh
+  /// folder for pictures of the mesh from pictured_views(); empty: renders/SPLIT/surface for the run's mesh
   std::filesystem::path pictures;
   TsdfDeviceFactory make_device = {};
   bool may_be_empty = false;  ///< no surface is no error: nothing is written, and a mesh of an earlier time is removed

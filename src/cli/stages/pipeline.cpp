@@ -11,6 +11,7 @@
 #include "cli/summary.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/shell_word.h"
 #include "core/stop_signal.h"
 #include "metrics/metrics_json.h"
 #include "train/run_control.h"
@@ -53,7 +54,6 @@ class Products {
   void render() {
     RenderStageOptions render;
     render.progress = options_.progress;
-    render.test = true;
     render_views(run_, render);
     stop_here_if_asked(options_.run);
   }
@@ -151,6 +151,7 @@ RunMetrics run_pipeline(const RunPlan& plan, const TrainOptions& options, const 
                 format_duration(trained.seconds).c_str(), static_cast<unsigned long long>(trained.gaussians));
     std::fputs(metrics_summary(metrics).c_str(), stdout);
     std::printf("look at      %s\n", (options.run / "report.html").string().c_str());
+    std::printf("browser      aligngs view %s\n", quote_word(options.run.string()).c_str());
   }
   std::fflush(stdout);
   return metrics;

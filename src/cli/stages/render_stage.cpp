@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cli/pictures.h"
+#include "cli/stages/pictured_views.h"
 #include "io/image_file.h"
 #include "scene/triangle_mesh.h"
 #include "scene/view_data.h"
@@ -62,13 +63,19 @@ void render_one(LoadedRun& run, int index, const fs::path& folder) {
 }  // namespace
 
 size_t render_views(LoadedRun& run, const RenderStageOptions& options) {
-  const size_t total = (options.test ? run.scene().test.size() : 0) + (options.train ? run.scene().train.size() : 0);
+  const Scene& scene = run.scene();
+  std::vector<PicturedViews> parts;
+  if (options.split == RenderedSplit::kPictured) parts.push_back(pictured_views(scene));
+  if (options.split == RenderedSplit::kTest || options.split == RenderedSplit::kAll)
+    parts.push_back({"test", scene.test});
+  if (options.split == RenderedSplit::kTrain || options.split == RenderedSplit::kAll)
+    parts.push_back({"train", scene.train});
+  size_t total = 0, done = 0;
+  for (const PicturedViews& part : parts) total += part.views.size();
   Progress progress(options.progress, "render", total);
-  size_t done = 0;
-  for (const bool test : {true, false}) {
-    if (!(test ? options.test : options.train)) continue;
-    for (const int index : test ? run.scene().test : run.scene().train) {
-      render_one(run, index, run.folder() / "renders" / (test ? "test" : "train"));
+  for (const PicturedViews& part : parts) {
+    for (const int index : part.views) {
+      render_one(run, index, run.folder() / "renders" / part.split);
       progress.update(++done);
     }
   }

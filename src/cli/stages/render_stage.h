@@ -8,9 +8,15 @@
 
 namespace aligngs {
 
+enum class RenderedSplit {
+  kPictured,  ///< pictured_views(): test views, or a few training views where there are none
+  kTest,
+  kTrain,
+  kAll
+};
+
 struct RenderStageOptions {
-  bool test = true;
-  bool train = false;
+  RenderedSplit split = RenderedSplit::kPictured;
   ProgressStyle progress;
 };
 

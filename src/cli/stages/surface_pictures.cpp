@@ -32,9 +32,10 @@ ImageF face_normals(const TriangleMesh& mesh, const Camera& camera, ThreadPool& 
   return normals_of_hits(mesh, RayScene(mesh), camera, pool);
 }
 
-void write_surface_pictures(const LoadedRun& run, const TriangleMesh& mesh, const std::filesystem::path& folder) {
+void write_surface_pictures(const LoadedRun& run, const TriangleMesh& mesh, const std::vector<int>& views,
+                            const std::filesystem::path& folder) {
   const RayScene rays(mesh);
-  for (const int view : run.scene().test) {
+  for (const int view : views) {
     const Camera camera = run.working_camera(view);
     write_png(folder / (run.scene().views[static_cast<size_t>(view)].name + ".png"),
               normal_picture(normals_of_hits(mesh, rays, camera, *run.pool)));

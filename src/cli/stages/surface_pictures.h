@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "cli/stages/loaded_run.h"
 #include "scene/triangle_mesh.h"
@@ -12,8 +13,8 @@ namespace aligngs {
 /// camera. Zero where nothing is met.
 ImageF face_normals(const TriangleMesh& mesh, const Camera& camera, ThreadPool& pool);
 
-/// Writes folder/VIEW.png for every test view: the mesh from there, coloured by its face normals as rendered normals
-/// are.
-void write_surface_pictures(const LoadedRun& run, const TriangleMesh& mesh, const std::filesystem::path& folder);
+/// Writes folder/VIEW.png for each of `views`: the mesh from there, coloured by its face normals as rendered normals are.
+void write_surface_pictures(const LoadedRun& run, const TriangleMesh& mesh, const std::vector<int>& views,
+                            const std::filesystem::path& folder);
 
 }  // namespace aligngs

@@ -1,0 +1,153 @@
+#include "metrics/mesh_culling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace aligngs {
+namespace {
+
+constexpr size_t kPointGrain = 1024;  // points per chunk of visibility tests
+
+bool truth_hit_at(const Image<uint8_t>& mask, const Vec2d& uv) {
+  return mask.at(static_cast<int>(uv.x), static_cast<int>(uv.y)) != 0;
+}
+
+struct Box {
+  Vec3d low, high;
+  bool contains(const Vec3f& p) const {
+    for (int a = 0; a < 3; ++a) {
+      if (!(p[a] >= low[a] && p[a] <= high[a])) return false;
+    }
+    return true;
+  }
+};
+
+Box scaled_box(const std::vector<Vec3f>& points, double scale) {
+  const double inf = std::numeric_limits<double>::infinity();
+  Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  for (const Vec3f& p : points) {
+    for (int a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], double(p[a]));
+      box.high[a] = std::max(box.high[a], double(p[a]));
+    }
+  }
+  for (int a = 0; a < 3; ++a) {
+    const double centre = (box.low[a] + box.high[a]) / 2, half = (box.high[a] - box.low[a]) / 2 * scale;
+    box.low[a] = centre - half;
+    box.high[a] = centre + half;
+  }
+  return box;
+}
+
+/// In at least one frustum, and on no pixel, of any view, where the truth has no surface.
+bool inside_truth_masks(const Vec3f& vertex, const TruthView& view) {
+  bool seen = false;
+  for (size_t c = 0; c < view.cameras.size(); ++c) {
+    const auto uv = project_into_image(view.cameras[c], vertex.cast<double>());
+    if (!uv) continue;
+    if (!truth_hit_at(view.hit[c], *uv)) return false;
+    seen = true;
+  }
+  return seen;
+}
+
+template <class Keep>
+std::vector<uint8_t> test_points(const std::vector<Vec3f>& points, ThreadPool& pool, const Keep& keep) {
+  std::vector<uint8_t> kept(points.size(), 0);
+  pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) kept[i] = keep(points[i]);
+  });
+  return kept;
+}
+
+PointSet select(const SurfaceSamples& samples, const std::vector<uint8_t>& keep) {
+  PointSet set;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    set.positions.push_back(samples.positions[i]);
+    set.normals.push_back(samples.normals[i]);
+  }
+  return set;
+}
+
+}  // namespace
+
+std::vector<Camera> ray_cameras(const std::vector<Camera>& cameras, int columns) {
+  std::vector<Camera> resized;
+  for (const Camera& c : cameras) {
+    const int rows = std::max(1, static_cast<int>(std::lround(double(c.height) * columns / c.width)));
+    resized.push_back(c.resized(columns, rows));
+  }
+  return resized;
+}
+
+TruthView look_at_truth(const TriangleMesh& truth, const RayScene& rays, const std::vector<Camera>& cameras,
+                        ThreadPool& pool, const MeshProtocolOptions& options) {
+  TruthView view;
+  view.cameras = ray_cameras(cameras, options.ray_columns);
+  std::vector<uint8_t> keep(truth.triangles.size(), 0);
+  for (const Camera& camera : view.cameras) {
+    const FirstHits hits = rays.cast(camera, pool);
+    Image<uint8_t> mask(camera.width, camera.height, 1);
+    for (size_t i = 0; i < mask.data.size(); ++i) {
+      const uint32_t t = hits.triangle.data[i];
+      if (t == kNoTriangle) continue;
+      keep[t] = 1;
+      mask.data[i] = 1;
+    }
+    view.hit.push_back(std::move(mask));
+  }
+  view.culled = keep_triangles(truth, keep);
+  return view;
+}
+
+std::vector<uint8_t> triangles_in_box(const TriangleMesh& mesh, const std::vector<Vec3f>& points, double scale) {
+  const Box box = scaled_box(points, scale);
+  std::vector<uint8_t> keep(mesh.triangles.size(), 1);
+  for (size_t t = 0; t < keep.size(); ++t) {
+    for (const uint32_t v : mesh.triangles[t]) keep[t] &= box.contains(mesh.vertices[v]);
+  }
+  return keep;
+}
+
+std::vector<Vec3f> points_where_truth_is(const std::vector<Vec3f>& points, const TruthView& truth, ThreadPool& pool) {
+  const std::vector<uint8_t> keep =
+      test_points(points, pool, [&](const Vec3f& p) { return inside_truth_masks(p, truth); });
+  std::vector<Vec3f> kept;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i]) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+VisibleSamples visible_samples(const SurfaceSamples& samples, const RayScene& rays, const VisibilityTest& test,
+                               ThreadPool& pool) {
+  const auto& [cameras, truth, options] = test;
+  std::vector<Vec3d> eyes;
+  for (const Camera& c : cameras) eyes.push_back(c.centre());
+  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&, &cameras = cameras, &truth = truth, &options = options](const Vec3f& p) {
+    const Vec3d point = p.cast<double>();
+    size_t seen = 0, missing = 0;
+    for (size_t c = 0; c < cameras.size(); ++c) {
+      if (!project_into_image(cameras[c], point)) continue;
+      if (!rays.sees(eyes[c], point, options.occlusion_tolerance)) continue;
+      if (!truth) return true;
+      ++seen;
+      const auto uv = project_into_image(truth->cameras[c], point);
+      missing += !uv || !truth_hit_at(truth->hit[c], *uv);
+    }
+    return seen > 0 && static_cast<double>(missing) <= options.max_missing_truth * static_cast<double>(seen);
+  });
+  VisibleSamples visible;
+  visible.points = select(samples, keep);
+  visible.capped = samples.capped;
+  if (!samples.positions.empty()) {
+    visible.area = samples.area * static_cast<double>(visible.points.positions.size()) /
+                   static_cast<double>(samples.positions.size());
+  }
+  return visible;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "core/error.h"
+#include "core/half.h"
+#include "core/stop_signal.h"
+#include "priors/prior_files.h"
+#include "priors/scene_priors.h"
+#include "priors/semantic_teacher.h"
+#include "scene/prior_maps.h"
+#include "scene/scene_json.h"
+
+namespace aligngs {
+
+ScenePriorsReport fill_semantics(const std::filesystem::path& folder, const ModelStore& store, const PublishedModel& model,
+                                 const ScenePriorsOptions& options) {
+  const Scene scene = open_scene(folder);
+  PriorsJson notes = read_priors_json(folder / "priors.json");
+  ScenePriorsReport report;
+  report.model = model.name;
+  report.makes_segments = makes_segments(model);
+  const bool complete = !report.makes_segments || has_segments(scene);
+  if (standing_of_prior(
+          scene, {"semantics", &View::semantics, notes.semantics, model.name, options.overwrite, complete}) ==
+      PriorStanding::kKeep) {
+    report.was_there = true;
+    return report;
+  }
+  ThreadPool pool(options.threads);
+  MemoryBudget budget(options.memory_limit);
+  add_semantic_memory(budget, store, model, options.augment, sizes_of_training_photos(scene), {options.precision, pool.size()});
+  budget.require(model.name, model.name == "ade20k-linear-s"
+                                 ? "give it more memory with --memory, or leave classes out: --semantics none"
+                                 : "use a light network (--semantics linear-s), or more memory with --memory");
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
+  const std::unique_ptr<SemanticTeacher> teacher =
+      load_semantic_teacher(compute, store, model, options.augment, options.mask2former_heads);
+  const int64_t classes = teacher->classes();
+  if (scene.labels.size() != int(classes)) {
+    throw_bad_input(folder / "labels.csv", "classes",
+                    fmt::format("the scene has {} classes, the network knows {}", scene.labels.size(), classes),
+                    "remove labels.csv: without it the classes are ADE20K's 150");
+  }
+  notes.semantics = PriorJson{model.name, digest_of_weights(store, model), {}};
+  if (options.augment) notes.semantics->settings["augmented"] = "yes";
+  notes.kind = teacher->kind();
+  PriorFiles fill(scene, "segmentation_logits", false);
+  Progress progress(options.progress, "semantics", scene.train.size());
+  for (const int i : scene.train) {
+    stop_if_requested();
+    const View& view = scene.views[size_t(i)];
+    const TeacherMapSize size = teacher->map_size(view.camera.width, view.camera.height);
+    const Image<uint8_t> rgb = photo_for_network(view);
+    const nn::FeatureMap map = teacher->map(compute, rgb, size.width, size.height);
+    std::vector<uint16_t> half(map.data.size());  // [classes][height][width]
+    const int64_t places = map.places();
+    for (int64_t p = 0; p < places; ++p) {
+      for (int64_t c = 0; c < classes; ++c)
+        half[size_t(c * places + p)] = float_to_half(map.data[size_t(p * classes + c)]);
+    }
+    fill.add_semantics(view.name, {classes, map.height, map.width}, half);
+    if (const std::optional<SegmentMap> segments = teacher->segments(compute, rgb)) {
+      fill.add_segments(view.name, *segments);
+      report.segments += segments->list.size();
+    }
+    report.width = size.width;
+    report.height = size.height;
+    progress.update(++report.written);
+  }
+  fill.finish(&PriorsJson::semantics, notes);
+  return report;
+}
+
+}  // namespace aligngs
