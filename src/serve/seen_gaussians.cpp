@@ -34,7 +34,8 @@ GaussianModel seen_gaussians(const GaussianModel& model, const Camera& camera) {
   for (size_t i = 0; i < model.size(); ++i) {
     if (opacity_of(model, i) < kInvisibleOpacity) continue;
     const float* s = &model.log_scales[3 * i];
-    if (outside(camera, camera.world_to_camera * position_of(model, i)) > kReach * std::exp(*std::max_element(s, s + 3)))
+    if (outside(camera, camera.world_to_camera * position_of(model, i)) >
+        kReach * std::exp(*std::max_element(s, s + 3)))
       continue;
     append(seen.positions, model.positions, i, 3);
     append(seen.log_scales, model.log_scales, i, 3);

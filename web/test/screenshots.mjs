@@ -26,6 +26,7 @@ const panel = async (page, is) => {
 /// Goes through the states of a finished run.
 async function finished({ page, settle, slide }, take) {
   await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: kStay });
+  await page.evaluate(async () => { while (document.querySelectorAll('#edits li').length > 0) await window.aligngs.page.edits.undo(); }); // of the size before
   // Into the room, towards the bed, from the place of a photo.
   await page.evaluate(() => {
     const { page: { state, edits, places }, viewer } = window.aligngs, bed = edits.objects.find((o) => o.object.startsWith('bed#')) ?? edits.objects[0];
