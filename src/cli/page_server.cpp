@@ -20,7 +20,7 @@ PageServer::PageServer(PageServerOptions options) {
   options.server.scene = options.scene;
   scenes_ = std::make_unique<SceneService>(run, options.server.expect_run);
   scenes_->serve(options.server);
-  start_ = std::make_unique<StartPicture>(run, options.server.expect_run, options.scene, options.threads);
+  start_ = std::make_unique<StartPicture>(run, options.server.expect_run, options.scene, options.threads, &drawing_);
   start_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
     edits_ = std::make_unique<EditService>(EditServiceOptions{
@@ -31,7 +31,7 @@ PageServer::PageServer(PageServerOptions options) {
     selections_ =
         std::make_unique<SelectionService>(*edits_, [this](const std::string& path) { return scenes_->shown(path); });
     selections_->serve(options.server);
-    renders_ = std::make_unique<ViewRenders>(run, LoadRunOptions{options.scene, options.threads});
+    renders_ = std::make_unique<ViewRenders>(run, LoadRunOptions{options.scene, options.threads}, drawing_);
     renders_->serve(options.server);
     serve_notes(run, options.server);
     serve_scale(

@@ -24,13 +24,26 @@ std::string newest_checkpoint(const fs::path& run) {
   return newest;
 }
 
-std::optional<Image<uint8_t>> picture_of(const Rendering& rendering, const std::string& kind, const LabelSet& labels) {
+/// Numbers of semantic columns become those of their classes.
+void name_columns(const std::vector<uint16_t>& classes, Image<uint16_t>& label) {
+  if (classes.empty()) return;
+  for (uint16_t& l : label.data) l = l == kNoLabel ? l : classes[l];
+}
+
+std::optional<Image<uint8_t>> drawn(const LoadedRun& run, const Camera& camera, const std::string& kind) {
+  RenderOptions options = run.render_options();
+  options.geometry = kind == "depth" || kind == "normal";
+  options.labels = options.labels && kind == "label";
+  if (kind != "rgb" && !options.geometry && !options.labels) return {};
+  Rendering rendering = run.engine->render(camera, options);
   if (kind == "rgb") return to_bytes(rendering.color);
   if (kind == "normal") return normal_picture(rendering.normal);
-  if (kind == "label" && !rendering.label.empty()) return label_picture(rendering.label, labels);
-  if (kind != "depth") return {};
-  const DepthRange range = depth_range(rendering.depth_median);
-  return depth_picture(rendering.depth_median, range.low, range.high);
+  if (kind == "depth") {
+    const DepthRange range = depth_range(rendering.depth_median);
+    return depth_picture(rendering.depth_median, range.low, range.high);
+  }
+  name_columns(run.classes, rendering.label);
+  return label_picture(rendering.label, run.scene().labels);
 }
 
 }  // namespace
@@ -48,6 +61,7 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
     run_.reset();
     throw_usage("the run is still being made", "the pictures come when it has ended");
   }
+  const std::lock_guard turn(drawing_);
   const std::string checkpoint = newest_checkpoint(folder_);
   if (!run_ || checkpoint != opened_) {
     run_.reset();
@@ -61,7 +75,7 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
   const auto found = std::find_if(views.begin(), views.end(), [&](const View& v) { return v.name == view; });
   if (found == views.end()) return {};
   const Camera camera = run_->working_camera(static_cast<int>(found - views.begin()));
-  const auto image = picture_of(run_->engine->render(camera, run_->render_options()), kind, run_->scene().labels);
+  const auto image = drawn(*run_, camera, kind);
   if (!image) return {};
   const std::vector<uint8_t> png = encode_png(*image);
   return GetAnswer{"image/png", std::string(reinterpret_cast<const char*>(png.data()), png.size()), {}, {}};

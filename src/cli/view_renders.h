@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -12,8 +13,11 @@ namespace aligngs {
 
 class ViewRenders {
  public:
-  ViewRenders(std::filesystem::path run, LoadRunOptions options)
-      : folder_(std::move(run)), options_(std::move(options)) {}
+  /// `drawing` is held while a run is opened or drawn: two pictures at a time would need twice the memory.
+  ViewRenders(std::filesystem::path run, LoadRunOptions options, std::mutex& drawing)
+      : folder_(std::move(run)), options_(std::move(options)), drawing_(drawing) {
+    options_.shown_classes = true;
+  }
 
   /// "<view>/<kind>.png" with kind rgb, depth, normal or label -> the picture, as `aligngs render` draws it. Nothing
   /// for
@@ -26,6 +30,7 @@ class ViewRenders {
  private:
   std::filesystem::path folder_;
   LoadRunOptions options_;
+  std::mutex& drawing_;
   std::optional<LoadedRun> run_;
   std::string opened_;  ///< name of the checkpoint that was read
 };

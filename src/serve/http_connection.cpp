@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "serve/request_rules.h"
+
 namespace aligngs {
 
 using net::awaitable;
@@ -25,6 +27,15 @@ constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
 /// The client sends its body when it has been told to (RFC 9110, section 10.1.1).
 bool waits_to_be_asked(const Request& request) {
   return request.version() >= 11 && beast::iequals(request[http::field::expect], "100-continue");
+}
+
+/// A target in absolute form says itself which host is meant, and the Host header then counts no more. Headers that
+/// break another rule stay as they are, so that they are refused.
+void use_origin_form(Request& request) {
+  const auto absolute = absolute_target(view_of(request.target()));
+  if (!absolute || request.count(http::field::host) != 1) return;
+  request.target(absolute->target);
+  request.set(http::field::host, absolute->host);
 }
 
 /// The answer to what could not be read as a request; nothing for a client that went away.
@@ -66,6 +77,7 @@ awaitable<std::optional<Request>> HttpConnection::read(
   stream_.expires_after(limits_.request);
   co_await http::async_read_header(stream_, buffer_, parser, net::redirect_error(use_awaitable, error));
   if (!error) {
+    use_origin_form(parser.get());
     if (auto refused = refuse(parser.get())) co_return co_await answered(parser.get(), std::move(*refused));
     if (!parser.is_done() && waits_to_be_asked(parser.get())) co_await write(kGoOn);
   }

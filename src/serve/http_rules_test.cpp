@@ -82,10 +82,39 @@ TEST_F(HttpRules, RequestsOfOneConnectionAreAnsweredInTurn) {
   EXPECT_EQ(answers(raw("GET /%zz HTTP/1.1\r\nHost: localhost\r\n\r\n" + last)), 1) << "none after a refusal";
 }
 
+TEST_F(HttpRules, ATargetInAbsoluteFormIsServed) {
+  const std::string rest = " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+  EXPECT_EQ(body(raw("GET http://127.0.0.1:" + std::to_string(server_->port()) + "/api/double?x=1" + rest)), "twice");
+  EXPECT_EQ(body(raw("GET HTTP://LocalHost/files/renders/test/rgb/view_003.png" + rest)), "picture");
+  for (const char* page : {"GET http://localhost", "GET http://localhost?v=1", "HEAD http://[::1]:80/"})
+    EXPECT_EQ(status(raw(page + rest)), 200) << page;
+  for (const char* below : {"GET http://localhost/../secret.txt", "GET http://localhost/files/%2e%2e/secret.txt"})
+    EXPECT_EQ(status(raw(below + rest)), 404) << below;
+}
+
+TEST_F(HttpRules, TheHostOfATargetInAbsoluteFormCounts) {
+  const auto asked = [&](const std::string& target, const std::string& headers) {
+    return status(raw("GET " + target + " HTTP/1.1\r\nConnection: close\r\n" + headers + "\r\n"));
+  };
+  EXPECT_EQ(asked("http://evil.example/api/state", "Host: localhost\r\n"), 403);
+  EXPECT_EQ(asked("http://localhost.evil.example:80/", "Host: localhost\r\n"), 403);
+  EXPECT_EQ(asked("http://localhost/api/state", "Host: evil.example\r\n"), 200) << "the header is ignored then";
+  EXPECT_EQ(asked("http://localhost/api/state", ""), 400) << "but it has to be there";
+  EXPECT_EQ(asked("http://localhost/api/state", "Host: localhost\r\nHost: localhost\r\n"), 400);
+  EXPECT_EQ(asked("http://localhost/api/state", "Host: localhost\r\nSec-Fetch-Site: cross-site\r\n"), 403);
+  const std::string post =
+      "POST http://localhost:9000/api/echo HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+      "Content-Type: application/json\r\nContent-Length: 2\r\nX-AlignGS-Token: " +
+      server_->token() + "\r\nOrigin: http://";
+  EXPECT_EQ(status(raw(post + "localhost:9000\r\n\r\n{}")), 200);
+  EXPECT_EQ(status(raw(post + "evil.example\r\n\r\n{}")), 403);
+}
+
 TEST_F(HttpRules, OtherFormsOfATargetAreRefused) {
   const std::string rest = " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-  for (const char* line : {"GET http://localhost/api/state", "GET http://evil.example/", "GET *", "OPTIONS *",
-                           "CONNECT localhost:80", "GET /files/scene.ply%00", "GET /files/%2"})
+  for (const char* line :
+       {"GET https://localhost/api/state", "GET http:///api/state", "GET http://user@localhost/", "GET localhost/",
+        "GET *", "OPTIONS *", "CONNECT localhost:80", "GET /files/scene.ply%00", "GET /files/%2"})
     EXPECT_EQ(status(raw(line + rest)), 400) << line;
   for (const char* line : {"GET //localhost/api/state", "GET /files/%252e%252e/secret.txt",
                            "GET /files/%c0%ae%c0%ae/secret.txt", "GET /files/.", "GET /api/photo/%ff"})

@@ -26,6 +26,8 @@ std::optional<std::string> repeated_header(const Request& request) {
 std::optional<HttpAnswer> refusal_of(const Request& request, const ViewServerOptions& options,
                                      const std::string& token) {
   if (const auto repeated = repeated_header(request)) return refusal(request, http::status::bad_request, *repeated);
+  if (request.version() >= 11 && request.count(http::field::host) == 0)
+    return refusal(request, http::status::bad_request, "the header Host is missing");
   const std::string_view host = view_of(request[http::field::host]);
   if (!host_allowed(host, options.allowed_hosts)) {
     return refusal(request, http::status::forbidden, "this host name is not served; see --allow-host");

@@ -39,9 +39,21 @@ bool same_secret(std::string_view a, std::string_view b) {
 }  // namespace
 
 bool host_allowed(std::string_view host, const std::vector<std::string>& allowed) {
-  const std::string_view name = without_port(host);
+  const std::string name = lower_case(without_port(host));
   if (name == "localhost" || name == "127.0.0.1" || name == "[::1]") return true;
-  return !name.empty() && std::find(allowed.begin(), allowed.end(), name) != allowed.end();
+  return !name.empty() &&
+         std::any_of(allowed.begin(), allowed.end(), [&](const std::string& a) { return lower_case(a) == name; });
+}
+
+std::optional<AbsoluteTarget> absolute_target(std::string_view target) {
+  constexpr std::string_view kScheme = "http://";
+  if (lower_case(target.substr(0, kScheme.size())) != kScheme) return {};
+  target.remove_prefix(kScheme.size());
+  const std::string_view host = target.substr(0, target.find_first_of("/?"));
+  if (host.empty() || host.find('@') != std::string_view::npos) return {};
+  std::string rest(target.substr(host.size()));
+  if (rest.empty() || rest[0] == '?') rest.insert(0, "/");
+  return AbsoluteTarget{std::string(host), std::move(rest)};
 }
 
 std::string port_of(std::string_view host) {

@@ -9,9 +9,16 @@
 
 namespace aligngs {
 
-/// The Host header names this machine: localhost, 127.0.0.1 or [::1] with any port (`ssh -L` changes the port), or
-/// one of `allowed` (host names without port). Refusing other names stops DNS rebinding.
+/// The Host header names this machine: localhost, 127.0.0.1 or [::1] with any port (`ssh -L` changes the port). It may
+/// also be one of `allowed` (host names without port). Letters have no case. Refusing other names stops DNS rebinding.
 bool host_allowed(std::string_view host, const std::vector<std::string>& allowed);
+
+/// A request target in absolute form, "http://localhost:7860/files?v=1", in its two parts (RFC 9112, section 3.2.2).
+struct AbsoluteTarget {
+  std::string host, target;
+};
+/// Nothing for a target in another form, with another scheme, or with a user before its host.
+std::optional<AbsoluteTarget> absolute_target(std::string_view target);
 
 /// The port of a Host header, unchanged, digits only; "80" when it names none.
 std::string port_of(std::string_view host);

@@ -19,6 +19,23 @@ TEST(HostRule, RefusesNamesThatAnAttackerCanPointHere) {
   EXPECT_TRUE(host_allowed("lab-7:7860", {"lab-7"}));
 }
 
+TEST(HostRule, KnowsNoCaseOfLetters) {
+  EXPECT_TRUE(host_allowed("LocalHost:9000", {}));
+  EXPECT_TRUE(host_allowed("lab-7:7860", {"Lab-7"})) << "browsers send names in lower case";
+}
+
+TEST(AbsoluteTarget, HasAHostAndTheTargetOfAnyOtherRequest) {
+  const auto whole = absolute_target("http://localhost:9000/files/a%20b?v=1");
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_EQ(whole->host, "localhost:9000");
+  EXPECT_EQ(whole->target, "/files/a%20b?v=1");
+  EXPECT_EQ(absolute_target("http://localhost")->target, "/");
+  EXPECT_EQ(absolute_target("http://localhost?v=1")->target, "/?v=1");
+  for (const char* other : {"", "/", "/http://localhost/", "https://localhost/", "http:/localhost/", "http:///a",
+                            "http://user@localhost/", "http://user:secret@localhost/"})
+    EXPECT_FALSE(absolute_target(other).has_value()) << other;
+}
+
 TEST(HostPort, IsDigitsOnly) {
   EXPECT_EQ(port_of("localhost:9000"), "9000");
   EXPECT_EQ(port_of("[::1]:7860"), "7860");

@@ -96,6 +96,12 @@ Json field(const Json& object, const char* name) {
   return object.is_object() && object.contains(name) ? object.at(name) : Json();
 }
 
+/// The place of a run's scene, as its record has it.
+std::optional<std::string> scene_of(const Json& record) {
+  const Json scene = field(record, "scene");
+  return scene.is_string() ? std::optional(scene.get<std::string>()) : std::nullopt;
+}
+
 /// Names of views -> {"split": ..., "kinds": [...]} from the folders of renders/.
 Json rendered_views(const fs::path& root) {
   Json views = Json::object();
@@ -194,11 +200,10 @@ ServedRun::ServedRun(const fs::path& path, bool expect_run, fs::path scene) : mo
   }
 }
 
-fs::path ServedRun::scene_folder(const Json& record) const {
-  const Json scene = field(record, "scene");
-  if (moved_scene_.empty() && !scene.is_string()) return {};
+fs::path ServedRun::scene_folder(const std::optional<std::string>& scene) const {
+  if (moved_scene_.empty() && !scene) return {};
   std::error_code error;
-  const fs::path found = fs::canonical(moved_scene_.empty() ? root_ / scene.get<std::string>() : moved_scene_, error);
+  const fs::path found = fs::canonical(moved_scene_.empty() ? root_ / *scene : moved_scene_, error);
   return error ? fs::path() : found;
 }
 
@@ -237,7 +242,7 @@ Json ServedRun::description() const {
     state["splats"] = trained;
   }
   if (has_file(root_, "mesh/mesh.ply")) state["mesh"] = "mesh/mesh.ply";
-  const fs::path scene = scene_folder(run);
+  const fs::path scene = scene_folder(scene_of(run));
   state["not_editable"] = why_not_editable(root_, descriptions, scene, active);
   state["editable"] = state["not_editable"].is_null();
   state["drawable"] = state["editable"].get<bool>() && has_folder(root_, "checkpoints");
@@ -310,9 +315,13 @@ std::optional<ServedFile> ServedRun::file(std::string_view relative) const {
   return ServedFile::open(root_, relative);
 }
 
-std::optional<ServedFile> ServedRun::photo(std::string_view view) const {
+std::optional<ServedFile> ServedRun::photo(std::string_view view) {
   if (!only_.empty() || view.find('/') != std::string_view::npos) return {};
-  const fs::path scene = scene_folder(RunDescriptions().object(root_, "run.json"));
+  const std::string version = file_version(root_ / "run.json");
+  if (!photo_record_ || photo_record_->version != version) {
+    photo_record_ = {version, scene_of(RunDescriptions().object(root_, "run.json"))};
+  }
+  const fs::path scene = scene_folder(photo_record_->scene);
   if (scene.empty()) return {};
   std::error_code error;
   const fs::path images = fs::canonical(scene / "images", error);

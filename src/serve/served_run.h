@@ -46,8 +46,8 @@ class ServedRun {
 
   /// A file of the run folder; of a single PLY only the file itself.
   std::optional<ServedFile> file(std::string_view relative) const;
-  /// The photo of a view, by its name, from the run's scene folder.
-  std::optional<ServedFile> photo(std::string_view view) const;
+  /// The photo of a view, by its name, from the run's scene folder. run.json is read again only when it has changed.
+  std::optional<ServedFile> photo(std::string_view view);
 
   /// Changes whenever state() may have changed; cheap.
   std::string signature() const;
@@ -60,12 +60,19 @@ class ServedRun {
   std::string events(uint64_t& offset, size_t limit = size_t(1) << 18) const;
 
  private:
-  /// The scene of the run whose record this is; empty where it is not there.
-  std::filesystem::path scene_folder(const nlohmann::json& record) const;
+  /// The place of the scene in run.json; `version`: of run.json then.
+  struct PhotoRecord {
+    std::string version;
+    std::optional<std::string> scene;
+  };
+
+  /// The folder of the scene that a record names; empty where it is not there.
+  std::filesystem::path scene_folder(const std::optional<std::string>& scene) const;
 
   std::filesystem::path root_;  ///< canonical
   std::string only_;            ///< name of the single file; empty for a run
   std::filesystem::path moved_scene_;
+  std::optional<PhotoRecord> photo_record_;  ///< nothing: no photo was asked for yet
 };
 
 }  // namespace aligngs

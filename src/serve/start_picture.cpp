@@ -10,6 +10,7 @@
 #include "gaussians/gaussian_ply.h"
 #include "io/image_file.h"
 #include "scene/camera_path.h"
+#include "serve/seen_gaussians.h"
 
 namespace aligngs {
 
@@ -28,6 +29,10 @@ std::string text_of(const std::vector<uint8_t>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+Camera start_camera(const StartPose& pose) {
+  return camera_of({0, pose.eye, pose.target, kFieldOfView}, pose.up, kWidth, kHeight);
+}
+
 /// A picture that shows nothing: an absent one would be an error in the browser.
 GetAnswer no_picture() {
   const Image<uint8_t> pixel(1, 1, 4);
@@ -37,9 +42,9 @@ GetAnswer no_picture() {
 }  // namespace
 
 StartPicture::StartPicture(const std::filesystem::path& run, bool expect_run, const std::filesystem::path& scene,
-                           int threads)
-    : run_(run, expect_run, scene), threads_(threads) {
-  if (auto now = subject(); now && now->room == Room::kTrained) ask_for({std::move(*now), nullptr});
+                           int threads, std::mutex* drawing)
+    : run_(run, expect_run, scene), threads_(threads), drawing_(drawing != nullptr ? *drawing : own_drawing_) {
+  if (auto now = subject(); now && now->room == Room::kTrained) ask_for({std::move(*now), {}});
   work_ = std::jthread([this](const std::stop_token& stop) { draw_what_is_asked(stop); });
 }
 
@@ -74,9 +79,9 @@ void StartPicture::edited(const GaussianModel& model) {
     const std::lock_guard lock(mutex_);
     if (picture_of(Room::kEdited).version == now->version) return;
   }
-  auto copy = std::make_shared<const GaussianModel>(model);
+  GaussianModel seen = seen_gaussians(model, start_camera(now->pose));
   const std::lock_guard lock(mutex_);
-  ask_for({std::move(*now), std::move(copy)});
+  ask_for({std::move(*now), std::move(seen)});
 }
 
 void StartPicture::draw_what_is_asked(const std::stop_token& stop) {
@@ -92,30 +97,40 @@ void StartPicture::draw_what_is_asked(const std::stop_token& stop) {
     Work work = std::move(*next_);
     next_.reset();
     lock.unlock();
-    auto jpeg = drawn(work);
+    const Subject subject = work.subject;
+    const bool undone = was_undone(subject);
+    auto jpeg = undone ? nullptr : drawn(std::move(work));
     work.model.reset();
     give_back_free_memory();
     lock.lock();
-    picture_of(work.subject.room).jpeg = std::move(jpeg);
-    picture_of(work.subject.room).drawn = work.subject.version;
+    Picture& picture = picture_of(subject.room);
+    if (!undone)
+      picture.jpeg = std::move(jpeg), picture.drawn = subject.version;
+    else if (picture.version == subject.version)
+      picture.version.clear();  // the edit may be done again
   }
 }
 
-std::shared_ptr<const std::string> StartPicture::drawn(const Work& work) const {
+bool StartPicture::was_undone(const Subject& subject) const {
+  if (subject.room != Room::kEdited) return false;
+  const auto now = this->subject();
+  return !now || now->room != Room::kEdited || now->version != subject.version;
+}
+
+std::shared_ptr<const std::string> StartPicture::drawn(Work work) {
   try {
-    auto model = work.model;
-    if (!model) {
+    const Camera camera = start_camera(work.subject.pose);
+    const std::lock_guard turn(drawing_);
+    if (!work.model) {
       const auto file = run_.file(work.subject.splats);
       if (!file || file->size() > kLargestSplats) return nullptr;
-      model = std::make_shared<const GaussianModel>(read_gaussian_ply(file->path()));
+      work.model = seen_gaussians(read_gaussian_ply(file->path()), camera);
     }
     const std::unique_ptr<Engine> engine = make_cpu_engine(threads_);
-    engine->load(*model);
-    model.reset();
+    engine->load(*work.model);
+    work.model.reset();
     RenderOptions options;
     options.geometry = false;
-    const StartPose& pose = work.subject.pose;
-    const Camera camera = camera_of({0, pose.eye, pose.target, kFieldOfView}, pose.up, kWidth, kHeight);
     return std::make_shared<const std::string>(
         text_of(encode_jpeg(to_bytes(engine->render(camera, options).color), kQuality)));
   } catch (const std::exception&) {
@@ -132,7 +147,7 @@ GetAnswer StartPicture::picture() {
   // During a training every snapshot is another version, and an old one is better than none.
   const bool shows = known.jpeg && (known.drawn == now->version || now->room == Room::kInTraining);
   GetAnswer answer = shows ? GetAnswer{"image/jpeg", {}, known.jpeg, "\"start-" + known.drawn + "\""} : no_picture();
-  if (is_old && now->room != Room::kEdited) ask_for({std::move(*now), nullptr});
+  if (is_old && now->room != Room::kEdited) ask_for({std::move(*now), {}});
   return answer;
 }
 

@@ -19,8 +19,10 @@ namespace aligngs {
 /// From the start pose, 1056 x 704 pixels and 80 degrees high: what a wide or a tall page shows of it is a part.
 class StartPicture {
  public:
-  /// Begins to draw, on a thread of its own. `scene` as ServedRun's. `threads` draw; 0: all. Errors as ServedRun's.
-  StartPicture(const std::filesystem::path& run, bool expect_run, const std::filesystem::path& scene, int threads);
+  /// Begins to draw, on a thread of its own. `scene` as ServedRun's. `threads` draw; 0: all. `drawing` is held meanwhile:
+  /// two pictures at a time would need twice the memory. Errors as ServedRun's.
+  StartPicture(const std::filesystem::path& run, bool expect_run, const std::filesystem::path& scene, int threads,
+               std::mutex* drawing = nullptr);
   ~StartPicture();
   StartPicture(const StartPicture&) = delete;
   StartPicture& operator=(const StartPicture&) = delete;
@@ -47,7 +49,7 @@ class StartPicture {
   };
   struct Work {
     Subject subject;
-    std::shared_ptr<const GaussianModel> model;  ///< null: read from the file
+    std::optional<GaussianModel> model;  ///< what the camera may see; nothing: read from the file
   };
   struct Picture {
     std::string version;                      ///< of what is drawn, or is being drawn
@@ -57,12 +59,15 @@ class StartPicture {
 
   std::optional<Subject> subject() const;
   Picture& picture_of(Room room) { return pictures_[static_cast<size_t>(room)]; }
-  void ask_for(Work work);  ///< with mutex_; takes the place of work that has not begun
+  void ask_for(Work work);                        ///< with mutex_; takes the place of work that has not begun
+  bool was_undone(const Subject& subject) const;  ///< the edits of the run are others now
   void draw_what_is_asked(const std::stop_token& stop);
-  std::shared_ptr<const std::string> drawn(const Work& work) const;
+  std::shared_ptr<const std::string> drawn(Work work);
 
   ServedRun run_;
   int threads_;
+  std::mutex own_drawing_;
+  std::mutex& drawing_;
   std::mutex mutex_;
   std::condition_variable_any asked_;
   std::optional<Work> next_;

@@ -102,6 +102,21 @@ TEST_F(StartPictureOfARun, IsThatOfTheEditedRoomAndOfTheTrainedOneAfterUndo) {
   EXPECT_EQ(body(get("/api/start.jpg")), body(trained)) << "it was kept";
 }
 
+TEST_F(StartPictureOfARun, AnEditThatWasUndoneAtOnceIsNotDrawn) {
+  answer();
+  const std::string edits = R"({"schema": 1, "edits": [{"edit": "recolor", "object": "ball"}]})";
+  write("run/edits.json", edits);
+  const auto time = std::filesystem::last_write_time(base_ / "run" / "edits.json");
+  service_->edited(green_ball());
+  std::filesystem::remove(base_ / "run" / "edits.json");
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  write("run/edits.json", edits);  // the edit is done again
+  std::filesystem::last_write_time(base_ / "run" / "edits.json", time);
+  EXPECT_EQ(header(get("/api/start.jpg"), "Content-Type"), "image/png");
+  service_->edited(green_ball());
+  EXPECT_EQ(header(answer(), "Content-Type"), "image/jpeg") << "and is drawn then";
+}
+
 TEST_F(StartPictureOfARun, IsTheOneBeforeDuringATraining) {
   answer();
   std::filesystem::create_directories(base_ / "run" / "live");

@@ -131,7 +131,7 @@ struct ViewServer::State {
   }
 
   /// The file that a GET asks for, if it asks for one.
-  std::optional<ServedFile> asked_file(const std::string& path) const {
+  std::optional<ServedFile> asked_file(const std::string& path) {
     constexpr std::string_view kFiles = "/files/", kPhoto = "/api/photo/";
     if (path.starts_with(kFiles)) return run.file(std::string_view(path).substr(kFiles.size()));
     if (path.starts_with(kPhoto)) return run.photo(std::string_view(path).substr(kPhoto.size()));

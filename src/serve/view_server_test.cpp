@@ -195,7 +195,7 @@ TEST_F(ViewServerTest, TellsPagesOfNewEvents) {
 TEST_F(ViewServerTest, AnotherSitesNameInTheHostHeaderIsRefused) {
   EXPECT_EQ(status(get("/api/state", "evil.example")), 403);
   EXPECT_EQ(status(get("/", "127.0.0.1.evil.example:7860")), 403);
-  EXPECT_EQ(status(raw("GET / HTTP/1.1\r\nConnection: close\r\n\r\n")), 403);
+  EXPECT_EQ(status(raw("GET / HTTP/1.1\r\nConnection: close\r\n\r\n")), 400);
 }
 
 TEST_F(ViewServerTest, NoPathLeavesTheRunFolder) {

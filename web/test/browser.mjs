@@ -102,6 +102,18 @@ export async function open(browser, url, { width = 800, height = 480, density = 
   const message = () => page.locator('#message').textContent();
   return { page, complaints, started, settle, picture, shot, slide, message };
 }
+/// Controls over the room whose middle lies under something else, and those of the page smaller than 24 pixels.
+export const badControls = (page) => page.evaluate(() => {
+  const found = [];
+  for (const e of document.querySelectorAll('header button, main button, main input, aside button')) {
+    const r = e.getBoundingClientRect();
+    if (!e.offsetParent || getComputedStyle(e).visibility === 'hidden' || r.width === 0) continue;
+    if (e.tagName === 'BUTTON' && (r.width < 24 || r.height < 24)) found.push(`${e.id || e.className} is small`);
+    const over = e.closest('main') && document.elementFromPoint(r.left + r.width / 2, r.top + r.height / 2);
+    if (over && !e.contains(over) && !over.contains(e)) found.push(`${e.id || e.textContent} lies under ${over.id || over.tagName}`);
+  }
+  return found;
+});
 /// Mean absolute difference of two pictures, in levels of 255.
 export const difference = (a, b) => a.reduce((sum, v, i) => sum + Math.abs(v - b[i]), 0) / a.length;
 /// How much is to be seen in a picture: the standard deviation of its values.

@@ -3,7 +3,7 @@
 import { cpSync, existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import { check, difference, open, ready, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
+import { badControls, check, difference, open, ready, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
 
 const { program, run: given, shots, folder } = settings(), run = join(folder, 'run');
 if (!given || !existsSync(given)) skip('no run was given');
@@ -174,6 +174,8 @@ await withBrowser(async (browser) => {
   check(spread(await picture(80, 120)) > 20, 'the room is to be seen on a phone');
   await page.locator('#panel-button').click();
   await page.waitForTimeout(300);
+  const small = await badControls(page);
+  check(small.length === 0, `a thumb finds every control ${small.join(', ')}`);
   const found = await violations();
   check(found.length === 0, `axe finds nothing on a phone ${found.join('; ')}`);
   check(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), 'nothing sticks out');

@@ -26,6 +26,7 @@ const panel = async (page, is) => {
 /// Goes through the states of a finished run.
 async function finished({ page, settle, slide }, take) {
   await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: kStay });
+  await page.evaluate(async () => { while (document.querySelectorAll('#edits li').length > 0) await window.aligngs.page.edits.undo(); }); // of the size before
   // Into the room, towards the bed, from the place of a photo.
   await page.evaluate(() => {
     const { page: { state, edits, places }, viewer } = window.aligngs, bed = edits.objects.find((o) => o.object.startsWith('bed#')) ?? edits.objects[0];
@@ -44,10 +45,12 @@ async function finished({ page, settle, slide }, take) {
   await page.locator('#picked-close').click();
 
   await panel(page, true);
+  const noteTime = await page.evaluate((time) => { const { messages } = window.aligngs.page, before = messages.noteTime; messages.noteTime = time; return before; }, 10 * kStay); // the picture of an edit takes its time
   await page.locator('#edit-text').fill(kEdit);
   await page.locator('#edit-apply').click();
   await page.waitForFunction(() => document.querySelectorAll('#edits li').length === 1 && !document.body.classList.contains('busy'), null, { timeout: 4 * kStay });
   await take('edit');
+  await page.evaluate((time) => { window.aligngs.page.messages.noteTime = time; }, noteTime);
   await page.locator('#undo').click();
   await page.waitForFunction(() => document.querySelectorAll('#edits li').length === 0 && !document.body.classList.contains('busy'), null, { timeout: 4 * kStay });
   await page.locator('#edit-text').fill('delete unicorn');
@@ -85,7 +88,9 @@ async function finished({ page, settle, slide }, take) {
   await page.locator('#cut-box summary').click();
   await slide('#cut-top', 45);
   await page.locator('#cut-box').scrollIntoViewIfNeeded();
+  await panel(page, false);
   await take('cut');
+  await panel(page, true);
   await page.locator('#cut-reset').click();
   await page.locator('#export-format').selectOption('html');
   await page.locator('#export').click();
@@ -139,6 +144,7 @@ await withBrowser(async (browser) => {
   const visit = async (address, states) => {
     for (const [size, width, height] of kSizes) {
       const shown = await open(browser, typeof address === 'string' ? address : await address(), { width, height });
+      shown.page.setDefaultTimeout(4 * kStay); // a busy machine draws slowly
       const visited = states(shown, async (state, rest = true) => {
         if (only && !only.includes(state)) return;
         if (rest) await shown.settle();

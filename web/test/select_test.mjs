@@ -2,7 +2,7 @@
 // Usage: node test/select_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
 import { cpSync, existsSync } from 'node:fs';
 import { join } from 'node:path';
-import { aligngs, check, difference, open, remove, serve, settings, skip, withBrowser } from './browser.mjs';
+import { aligngs, badControls, check, difference, open, remove, serve, settings, skip, withBrowser } from './browser.mjs';
 
 const { program, run: given, shots, folder } = settings(), run = join(folder, 'run');
 if (!given || !existsSync(given)) skip('no run was given');
@@ -136,7 +136,16 @@ await withBrowser(async (browser) => {
   await shot('phone');
   const sticks = await page.evaluate(() => { const r = document.getElementById('select-bar').getBoundingClientRect(); return r.left < 0 || r.right > innerWidth || document.documentElement.scrollWidth > innerWidth; });
   check(!sticks, 'the tools fit on a phone');
+  const bad = async (where) => { const found = await badControls(page); check(found.length === 0, `plan and stick leave the tools free ${where} ${found.join(', ')}`); };
+  const hasPlan = await page.locator('#plan-button').isVisible(), beside = hasPlan ? ['#walk', '#plan-button'] : ['#walk'];
+  for (const button of beside) await page.locator(button).click();
+  await bad('on a phone');
+  await page.setViewportSize({ width: 1000, height: 620 });
+  await bad('beside the panel');
+  await page.setViewportSize({ width: 390, height: 844 });
+  if (hasPlan) await page.locator('#plan-close').click();
   await page.locator('#select-close').click();
+  await page.locator('#walk').click();
   await page.setViewportSize({ width: 1000, height: 620 });
   await page.locator('#home').click();
 

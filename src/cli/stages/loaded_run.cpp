@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "gaussians/drawn_labels.h"
+#include "gaussians/shown_classes.h"
 #include "scene/exposure_prediction.h"
 #include "scene/view_data.h"
 #include "train/config_file.h"
@@ -55,6 +56,8 @@ LoadedRun load_run(const fs::path& folder, const LoadRunOptions& options) {
   if (semantic.drawn_sharpness > 0 && semantic.blend == SemanticBlend::kProbabilities) {
     sharpen_label_rows(run.model, robust_extent(run.scene()), semantic.drawn_sharpness, *run.pool);
   }
+  if (options.shown_classes && semantic.blend == SemanticBlend::kProbabilities)
+    run.classes = keep_shown_classes(run.model);
   run.engine->load(run.model);
   return run;
 }

@@ -1,6 +1,7 @@
 // An opened run on an engine, for the stages after training.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,11 +21,14 @@ struct LoadRunOptions {
   int threads = 0;
   EngineFactory make_engine = {};      ///< of the device to render on; empty: the CPU
   std::vector<std::string> sets = {};  ///< settings of the stage itself, e.g. "mesh.voxel=0.01"
+  /// Semantic columns of the classes that a picture can show, alone (gaussians/shown_classes.h): a tenth of the memory.
+  bool shown_classes = false;
 };
 
 struct LoadedRun {
-  SharedRun opened;     ///< cameras are placed
-  GaussianModel model;  ///< semantic rows as labels are drawn with them (semantic.drawn_sharpness)
+  SharedRun opened;               ///< cameras are placed
+  GaussianModel model;            ///< semantic rows as labels are drawn with them (semantic.drawn_sharpness)
+  std::vector<uint16_t> classes;  ///< of the semantic columns; empty: all classes
   /// of all views: how a picture of the scene is exposed there; zeros without data.exposure
   std::vector<Vec3f> log_gains;
   std::unique_ptr<Engine> engine;
