@@ -40,8 +40,8 @@ void take_meant_count(std::string_view& item, const Vocabulary& vocabulary, Sele
 }
 
 [[noreturn]] void refuse_other(std::string_view name) {
-  throw_usage("\"other\" does not tell which objects stay",
-              "say \"every " + std::string(name) + " but " + std::string(name) + "#1\"");
+  const std::string text(name);
+  throw_usage("\"other\" does not tell which objects stay: say \"every " + text + " but " + text + "#1\"");
 }
 
 void refuse_number(std::string_view whole) {

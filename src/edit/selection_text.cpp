@@ -27,9 +27,8 @@ bool is_everything(std::string_view item) {
   const std::string target(before.target), place(before.place), other(after);
   const auto found = find_relation(before.place, true);
   const std::string relation(before.place.substr(0, found->length));
-  throw_usage("\"" + target + " " + place + " and " + other + "\" has two readings",
-              "say \"" + target + " " + place + ", " + other + "\" or \"" + target + " " + place + ", " + target + " " +
-                  relation + " " + other + "\"");
+  throw_usage("\"" + target + " " + place + " and " + other + "\" has two readings: say \"" + target + " " + place +
+              ", " + other + "\" or \"" + target + " " + place + ", " + target + " " + relation + " " + other + "\"");
 }
 
 /// One item between commas; "a and b" is two unless a class is called so. "And" may also follow a comma.
