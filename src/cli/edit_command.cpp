@@ -89,13 +89,24 @@ void change_selection(const CommandContext& context, EditSession& session, const
 }
 
 /// Opens the run only for an edit from which later ones follow.
-void undo(const CommandContext& context, const EditOptions& options, size_t number) {
-  std::optional<EditOperation> undone = undo_in_files(options.run, number, options.wait);
-  if (!undone) undone = EditSession(options.run, {options.scene, context.global.threads, options.wait}).undo(number);
-  const std::string text = describe(*undone);
+void undo(const CommandContext& context, const EditOptions& options, const UndoRequest& request) {
+  std::vector<EditOperation> undone;
+  if (request.number == 0) {
+    undone = undo_latest_in_files(options.run, request.latest, options.wait);
+  } else if (const auto one = undo_in_files(options.run, request.number, options.wait)) {
+    undone.push_back(*one);
+  } else {
+    EditSession session(options.run, {options.scene, context.global.threads, options.wait});
+    undone.push_back(session.undo(request.number));
+  }
+  std::string texts, lines;
+  for (const EditOperation& edit : undone) {
+    texts += (texts.empty() ? "" : "; ") + describe(edit);
+    lines += "undone: " + describe(edit) + "\n";
+  }
   print_result(context,
-               Json{{"undone", text}, {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}},
-               "undone: " + text + "\n");
+               Json{{"undone", texts}, {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}},
+               lines);
 }
 
 void run_edit(const CommandContext& context, const EditOptions& options) {
@@ -115,11 +126,11 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     require_extension(picture_file, "png");
     RunFolder(options.run).require_not_of_run(picture_file, options.scene);
   }
-  const std::optional<size_t> number = options.undo ? std::optional<size_t>(0) : undo_in_words(options);
-  if (number && (options.dry_run || !options.output.empty()))
+  const std::optional<UndoRequest> taken = options.undo ? UndoRequest{} : undo_in_words(options);
+  if (taken && (options.dry_run || !options.output.empty()))
     throw_usage("undo changes this run", "leave out --dry-run and -o");
-  if (number) return undo(context, options, *number);
-  EditSession session(options.run, {options.scene, context.global.threads, options.wait});
+  if (taken) return undo(context, options, *taken);
+  EditSession session(options.run, {options.scene, context.global.threads, options.wait, true});
   if (options.list) return list_run(context, session);
   if (changes_selection) return change_selection(context, session, options);
   if (options.measure) return measure_selection(context, session, options);
@@ -175,6 +186,10 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
                    .advanced = "aligngs edit demo_run --select \"everything but wall, floor\" --extract -o furniture",
                    .notes = "An edit goes on a stack beside the run, and --undo takes it back.\n"
                             "Training results never change. With -o the run itself stays untouched.\n"
+                            "Objects by place and size, also after --say:\n"
+                            "  aligngs edit RUN --select \"the pillow on the bed\" --delete --fill\n"
+                            "  aligngs edit RUN --select \"all furniture but the bed\" --highlight orange\n"
+                            "  aligngs edit RUN --say \"delete everything on the table\"\n"
                             "Another object in place of one:\n"
                             "  aligngs edit RUN --select armchair --replace other_run#sofa#1\n"
                             "  aligngs edit RUN --select armchair --replace chair.ply --up=-y --fit --turn 90"}));

@@ -88,7 +88,7 @@ EditOperation operation_of(const EditOptions& options) {
   return edit;
 }
 
-std::optional<size_t> undo_in_words(const EditOptions& options) {
+std::optional<UndoRequest> undo_in_words(const EditOptions& options) {
   if (options.say.empty()) return std::nullopt;
   try {
     return parse_request(options.say).undo;
@@ -101,11 +101,15 @@ std::shared_ptr<EditOptions> add_edit_options(CLI::App& command) {
   auto options = std::make_shared<EditOptions>();
   command.add_option("run", options->run, "run folder")->required();
   command.add_option("--scene", options->scene, "the scene's new place, if it was moved");
-  command.add_option("--say", options->say, "the edit in words: \"recolor sofa dark green\", \"undo the second edit\"")
+  command
+      .add_option("--say", options->say,
+                  "the edit in words: \"recolor sofa dark green\", \"delete the pillow on the bed\", \"undo the last "
+                  "two edits\"")
       ->group("Edit");
   command
       .add_option("--select", options->select,
-                  "objects by name, e.g. \"pillow, cushion#2\", or a selection that was drawn on the page")
+                  "objects such as \"pillow, cushion#2\" or \"the tallest lamp next to the bed\", or a selection "
+                  "from the page")
       ->group("Selection");
   command.add_option("--threshold", options->threshold, "argmax, auto, or a probability (0 to 1)")
       ->capture_default_str()

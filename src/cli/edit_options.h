@@ -9,6 +9,7 @@
 
 #include "edit/edit_operation.h"
 #include "edit/edit_session.h"
+#include "edit/undo_words.h"
 
 namespace aligngs {
 
@@ -34,7 +35,7 @@ void require_consistent(const EditOptions& options);
 /// The edit of --delete, --recolor, ... Error{kUsage} unless it is exactly one, and for values that cannot be read.
 EditOperation operation_of(const EditOptions& options);
 
-/// The number of the edit that --say "undo ..." takes back, which needs no room; empty for other sentences.
-std::optional<size_t> undo_in_words(const EditOptions& options);
+/// The edits that --say "undo ..." takes back, which needs no room; empty for other sentences.
+std::optional<UndoRequest> undo_in_words(const EditOptions& options);
 
 }  // namespace aligngs

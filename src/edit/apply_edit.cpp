@@ -10,10 +10,10 @@
 #include "edit/crumbs.h"
 #include "edit/export/moved_room.h"
 #include "edit/fill/fill_removed.h"
+#include "edit/meant_objects.h"
 #include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
-#include "edit/object_choice.h"
 #include "edit/object_parts.h"
 #include "edit/recolor.h"
 #include "edit/replace_object.h"
@@ -88,8 +88,9 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   keep_part(room, keep, vertices, 0);
   CrumbOptions joining;
   joining.majority = 0;  // nothing may stay of an object that is gone
-  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), joining, pool);
-  join_crumbs(room.gaussians, {}, pool);
+  RoomTree tree(room.gaussians.model);
+  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), joining, pool, {}, nullptr, &tree);
+  join_crumbs(room.gaussians, {}, pool, &tree);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);
   }
@@ -175,9 +176,12 @@ Vocabulary vocabulary_of(const EditableRoom& room) {
 }
 
 SelectionQuery read_selection(const EditableRoom& room, const std::string& text) {
-  const SelectionQuery query = with_rows(parse_selection(text, vocabulary_of(room)), room);
-  return with_numbers(query, list_instances(room.gaussians.model, room.gaussians.labels),
-                      {room.up, mean_place(room.cameras)}, room.labels);
+  SelectionQuery query = with_rows(parse_selection(text, vocabulary_of(room)), room);
+  if (!asks_objects(query)) return query;
+  // About 3 m is the extent of a room whose scale is not known.
+  const double metre = room.metric ? 1 : room.gaussians.extent / 3;
+  return with_numbers(std::move(query),
+                      RoomObjects(room.gaussians, room.labels, {room.up, mean_place(room.cameras)}, metre));
 }
 
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool) {

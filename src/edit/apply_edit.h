@@ -31,6 +31,7 @@ struct EditableRoom {
   MeshRows mesh_rows;                   ///< names of its rows
   LabelSet labels;
   std::optional<Vec3d> up;                           ///< unit, world; when the scene knows it
+  bool metric = false;                               ///< scene units are metres
   std::vector<Camera> cameras;                       ///< of the training photos, world; empty where they are not known
   std::shared_ptr<const RoomSelections> selections;  ///< drawn by hand; null: none
 };
@@ -60,8 +61,9 @@ struct EditReport {
 /// that are unknown, Error{kBadInput} when nothing is selected or nothing would be left; the room is then unchanged.
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool);
 
-/// Reads the text of a selection. "The largest chair" has its number then, among the objects that the room has now. A
-/// selection by hand has its rows. Errors as parse_selection's, with_numbers' (object_choice.h) and with_rows'.
+/// Reads the text of a selection. "The largest chair" and "the pillow on the bed" have numbers then, among the objects
+/// that the room has now. A selection by hand has its rows. Errors as parse_selection's, with_numbers'
+/// (meant_objects.h) and with_rows'.
 SelectionQuery read_selection(const EditableRoom& room, const std::string& text);
 
 /// The words that people may use in this room: those of its label set, with suggestions of what it holds.

@@ -35,8 +35,13 @@ std::vector<float> vote_weights(const GaussianModel& model, const std::vector<ui
 
 }  // namespace
 
+const PointTree& RoomTree::tree() {
+  if (!tree_) tree_.emplace(positions_of(model_));
+  return *tree_;
+}
+
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
-                       ThreadPool& pool, const MayJoin& may_join, std::vector<uint8_t>* still_open) {
+                       ThreadPool& pool, const MayJoin& may_join, std::vector<uint8_t>* still_open, RoomTree* tree) {
   const size_t k = static_cast<size_t>(options.neighbours);
   std::vector<uint32_t> marked;
   for (uint32_t i = 0; i < rows.size(); ++i) {
@@ -44,7 +49,8 @@ size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows
   }
   if (still_open) *still_open = rows;
   if (room.model.size() <= k || marked.empty()) return 0;
-  const NeighbourGraph graph = neighbour_graph(positions_of(room.model), marked, k, pool);
+  RoomTree own(room.model);
+  const NeighbourGraph graph = neighbour_graph((tree ? *tree : own).tree(), marked, k, pool);
   const std::vector<float> weights = vote_weights(room.model, marked, graph, options.color_sigma);
   std::vector<uint8_t> open = rows;
   size_t joined = 0;
@@ -95,8 +101,8 @@ std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOption
   return rows;
 }
 
-size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool) {
-  return room.has_labels() ? join_neighbours(room, crumb_rows(room, options), options, pool) : 0;
+size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool, RoomTree* tree) {
+  return room.has_labels() ? join_neighbours(room, crumb_rows(room, options), options, pool, {}, nullptr, tree) : 0;
 }
 
 }  // namespace aligngs

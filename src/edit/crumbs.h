@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/thread_pool.h"
 #include "edit/selection.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 
@@ -23,13 +25,25 @@ struct CrumbOptions {
   int rounds = 0;  ///< most steps from the outside of a group inwards; 0: until nothing changes
 };
 
+/// A tree over the Gaussians of a room, made when it is first asked for. Several calls may share it.
+class RoomTree {
+ public:
+  /// `model` outlives this, and its Gaussians stay in place.
+  explicit RoomTree(const GaussianModel& model) : model_(model) {}
+  const PointTree& tree();
+
+ private:
+  const GaussianModel& model_;
+  std::optional<PointTree> tree_;
+};
+
 /// Whether a row may get a class.
 using MayJoin = std::function<bool(uint32_t row, uint16_t label)>;
 
 /// Crumbs are objects that are too small, and Gaussians with a class and no object. They get the class and the object
 /// of most of their neighbours, by opacity. Crumbs stay that have no neighbour with an object, or no majority for
 /// another class. Numbers of other objects do not change. Returns how many Gaussians have joined another object.
-size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool);
+size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool, RoomTree* tree = nullptr);
 
 /// 1 for the rows of crumbs.
 std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOptions& options);
@@ -37,6 +51,7 @@ std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOption
 /// The same for given Gaussians, e.g. what is left of a deleted object: `rows` marks them. Those that joined are marked
 /// no longer in `open`, when it is asked for.
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
-                       ThreadPool& pool, const MayJoin& may_join = {}, std::vector<uint8_t>* open = nullptr);
+                       ThreadPool& pool, const MayJoin& may_join = {}, std::vector<uint8_t>* open = nullptr,
+                       RoomTree* tree = nullptr);
 
 }  // namespace aligngs

@@ -8,6 +8,7 @@
 #include "edit/edit_change_file.h"
 #include "edit/edit_independence.h"
 #include "edit/edit_lock.h"
+#include "edit/undo_words.h"
 #include "io/atomic_file.h"
 #include "train/opened_run.h"
 
@@ -48,6 +49,26 @@ size_t index_of_edit(const std::vector<EditOperation>& edits, size_t number) {
                 "`aligngs edit RUN --list` shows the edits of a run, the first one first");
   }
   return (number == 0 ? edits.size() : number) - 1;
+}
+
+std::vector<EditOperation> take_latest(std::vector<EditOperation>& edits, size_t count) {
+  if (edits.empty()) index_of_edit(edits, 0);  // throws
+  if (count == UndoRequest::kAll) count = edits.size();
+  if (count > edits.size()) {
+    throw_usage(fmt::format("there are no {} edits to undo: the run has {}", count, edits.size()),
+                "`aligngs edit RUN --list` shows them; \"undo everything\" takes all of them back");
+  }
+  std::vector<EditOperation> taken(edits.rbegin(), edits.rbegin() + static_cast<std::ptrdiff_t>(count));
+  edits.resize(edits.size() - count);
+  return taken;
+}
+
+std::vector<EditOperation> undo_latest_in_files(const fs::path& run, size_t count, double patience) {
+  require_run_folder(run);
+  const EditLock lock(run, "undo", patience);
+  std::vector<EditOperation> edits = read_edits(run / "edits.json"), undone = take_latest(edits, count);
+  commit_edits(run, edits);
+  return undone;
 }
 
 std::optional<EditOperation> undo_in_files(const fs::path& run, size_t number, double patience) {

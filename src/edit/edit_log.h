@@ -18,6 +18,14 @@ void commit_edits(const std::filesystem::path& run, const std::vector<EditOperat
 /// Index of the edit that `number` means: 1 is the oldest, 0 the latest. Error{kUsage} when there is none.
 size_t index_of_edit(const std::vector<EditOperation>& edits, size_t number);
 
+/// Takes the latest edits off a list, and returns them, the latest first; all of them for UndoRequest::kAll.
+/// Error{kUsage} when there are fewer.
+std::vector<EditOperation> take_latest(std::vector<EditOperation>& edits, size_t count);
+
+/// Takes the latest edits back without opening the run. Waits as EditLock does. Errors as take_latest's, and those of
+/// the files.
+std::vector<EditOperation> undo_latest_in_files(const std::filesystem::path& run, size_t count, double patience);
+
 /// Takes an edit back without opening the run: its entry and its file go. Possible when the edits after it stay what
 /// they
 /// are (edit_independence.h). Returns what it was, or nothing when the run must be opened for it (EditSession::undo);

@@ -33,6 +33,7 @@ EditSession::EditSession(SharedRun run, const EditSessionOptions& options)
     : run_(std::move(run)),
       threads_(options.threads),
       patience_(options.patience),
+      one_edit_(options.one_edit),
       pool_(std::make_unique<ThreadPool>(options.threads)),
       original_(read_trained_room(*run_, *pool_)) {
   base_ = room_digest(original_);
@@ -189,6 +190,7 @@ EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
       std::make_shared<const EditChange>(difference(room(), after, canonical, report, canonical.number, base_)));
   after = EditableRoom();
   commit(stack, changes);
+  if (one_edit_) return report;
   if (!edited_) edited_ = original_;
   apply_change(*edited_, *changes.back());
   stack_ = std::move(stack);
@@ -224,6 +226,19 @@ EditOperation EditSession::undo(size_t number) {
       stack[i].change.clear();
     }
   }
+  std::optional<EditableRoom> edited = rebuilt(stack, changes);
+  commit(stack, changes);
+  edited_ = std::move(edited);
+  stack_ = std::move(stack);
+  changes_ = std::move(changes);
+  return undone;
+}
+
+std::vector<EditOperation> EditSession::undo_latest(size_t count) {
+  const EditLock lock(folder(), "undo", patience_);
+  follow_file();
+  std::vector<EditOperation> stack = stack_, undone = take_latest(stack, count);
+  Changes changes(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(stack.size()));
   std::optional<EditableRoom> edited = rebuilt(stack, changes);
   commit(stack, changes);
   edited_ = std::move(edited);

@@ -23,7 +23,8 @@ namespace aligngs {
 struct EditSessionOptions {
   std::filesystem::path scene;  ///< where the scene went, when it is not where run.json says; may be empty
   int threads = 0;
-  double patience = 60;  ///< seconds that a change waits for another one of the same run (edit_lock.h)
+  double patience = 60;   ///< seconds that a change waits for another one of the same run (edit_lock.h)
+  bool one_edit = false;  ///< the session ends after one push(): room() is not made anew then
 };
 
 /// Before on the left, after on the right, of the view that shows the difference best.
@@ -62,6 +63,9 @@ class EditSession {
   /// after it stay. Those that follow from it are carried out again (edit_independence.h). Error{kUsage} when there is
   /// none, Error{kBadInput} when a later edit needs it; nothing changes then.
   EditOperation undo(size_t number = 0);
+  /// Takes the latest edits back, and returns what they were, the latest first. Errors as take_latest's
+  /// (edit_log.h).
+  std::vector<EditOperation> undo_latest(size_t count);
   /// Selections that were drawn by hand, as RUN/selections.json has them now.
   const RoomSelections& selections();
   /// Keeps a selection under a name; `rows` has one flag per Gaussian of original(). Errors as add_selection's
@@ -100,6 +104,7 @@ class EditSession {
   SharedRun run_;
   int threads_ = 0;
   double patience_ = 0;  ///< seconds
+  bool one_edit_ = false;
   std::unique_ptr<ThreadPool> pool_;
   EditableRoom original_;
   std::optional<EditableRoom> edited_;  ///< one room is held where there are no edits

@@ -1,7 +1,6 @@
 #include "edit/edit_text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,7 +10,6 @@
 #include "edit/color_names.h"
 #include "edit/inserted_object.h"
 #include "edit/motion_text.h"
-#include "edit/selection_words.h"
 #include "edit/spoken_edit.h"
 
 namespace aligngs {
@@ -141,23 +139,6 @@ void read_source(EditOperation& edit, std::string& text) {
   if (edit.with.empty()) throw_usage("the replacement has no object", "name FILE.ply or RUN#OBJECT after \"with\"");
 }
 
-/// The number of "undo the second edit", "undo #2", "undo 2nd"; nothing where the words say no number.
-std::optional<size_t> undo_number(std::string words) {
-  for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. ", " that ", " it ", " my "}) {
-    words = " " + words + " ";
-    for (size_t at = words.find(filler); at != std::string::npos; at = words.find(filler))
-      words.replace(at, filler.size(), " ");
-    trim(words);
-  }
-  if (words.empty() || words == "last" || words == "latest") return 0;
-  if (const int ordinal = ordinal_number(words); ordinal > 0) return static_cast<size_t>(ordinal);
-  if (words.front() == '#') words.erase(0, 1);
-  size_t number = 0;
-  const auto [end, error] = std::from_chars(words.data(), words.data() + words.size(), number);
-  if (error != std::errc() || end != words.data() + words.size() || number == 0) return {};
-  return number;
-}
-
 }  // namespace
 
 std::vector<std::string> edit_verbs() {
@@ -167,21 +148,9 @@ std::vector<std::string> edit_verbs() {
 }
 
 EditRequest parse_request(std::string_view given) {
-  std::string text = lower_case(given.substr(0, kLongestEdit));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
-  trim(text);
   EditRequest request;
-  constexpr std::string_view kUndo = "undo";
-  if (text == kUndo || text.rfind("undo ", 0) == 0) {
-    request.undo = undo_number(text.substr(kUndo.size()));
-    if (!request.undo) {
-      throw_usage("\"" + text.substr(0, 40) + "\" does not tell which edit to undo",
-                  "say \"undo\", \"undo the second edit\" or \"undo #2\"; the oldest edit is the first");
-    }
-    return request;
-  }
-  request.edit = parse_edit(given);
+  request.undo = parse_undo(without_courtesy(std::string(given.substr(0, kLongestEdit))));
+  if (!request.undo) request.edit = parse_edit(given);
   return request;
 }
 

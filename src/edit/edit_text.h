@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "edit/edit_operation.h"
+#include "edit/undo_words.h"
 
 namespace aligngs {
 
@@ -23,13 +24,13 @@ EditOperation parse_edit(std::string_view text);
 /// The verbs of parse_edit().
 std::vector<std::string> edit_verbs();
 
-/// An edit, or the wish to take one back.
+/// An edit, or the wish to take some back.
 struct EditRequest {
-  std::optional<size_t> undo;  ///< 1 is the oldest edit of the stack, 0 the latest
-  EditOperation edit;          ///< where `undo` is empty
+  std::optional<UndoRequest> undo;
+  EditOperation edit;  ///< where `undo` is empty
 };
 
-/// "undo", "undo the second edit", "undo #2", or an edit. Errors as parse_edit's.
+/// "undo", "undo the last two edits" (undo_words.h), or an edit. Errors as parse_undo's and parse_edit's.
 EditRequest parse_request(std::string_view text);
 
 }  // namespace aligngs

@@ -127,18 +127,32 @@ std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianMod
     vertex_of.push_back(v);
   }
   const PointTree tree(std::move(points));
-  std::vector<Ellipsoid> others;
-  for (size_t i = 0; i < model.size(); ++i) {
-    if (selected[i] ||
-        !box.touches(Vec3f{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]},
-                     largest_reach(model, i, floor, sigmas)))
-      continue;
-    others.emplace_back(model, i, floor, sigmas);
-  }
   std::vector<double> balance(tree.size(), 0.0);
   add_votes(chosen, tree, 1, pool, balance);
-  add_votes(others, tree, -1, pool, balance);
-  for (size_t i = 0; i < tree.size(); ++i) flags[vertex_of[i]] = balance[i] > 0;
+
+  // Votes of the others matter only where there are votes against them.
+  Box claimed;
+  points.clear();
+  size_t kept = 0;
+  for (size_t i = 0; i < tree.size(); ++i) {
+    if (!(balance[i] > 0)) continue;
+    points.push_back(tree.point(i));
+    claimed.add(points.back(), 0);
+    vertex_of[kept] = vertex_of[i];
+    balance[kept++] = balance[i];
+  }
+  balance.resize(kept);
+  std::vector<Ellipsoid> others;
+  for (size_t i = 0; i < model.size(); ++i) {
+    if (selected[i]) continue;
+    constexpr float kRounding = 1.001f;
+    const Vec3f centre{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+    const float reach = largest_reach(model, i, floor, sigmas);
+    if (!claimed.touches(centre, kRounding * reach) || !box.touches(centre, reach)) continue;
+    others.emplace_back(model, i, floor, sigmas);
+  }
+  add_votes(others, PointTree(std::move(points)), -1, pool, balance);
+  for (size_t i = 0; i < kept; ++i) flags[vertex_of[i]] = balance[i] > 0;
   smooth_flags(mesh, options.smoothing_rounds, flags);
   return flags;
 }

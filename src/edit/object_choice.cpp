@@ -1,81 +1,90 @@
 #include "edit/object_choice.h"
 
 #include <algorithm>
-#include <functional>
+#include <cmath>
+#include <utility>
 
 #include "core/error.h"
 
 namespace aligngs {
 namespace {
 
-double volume_of(const Instance& object) {
-  constexpr double kThinnest = 0.01;  // scene units; a flat thing is compared by its area
-  const Vec3d size = (object.high - object.low).cast<double>();
-  return std::max(size.x, kThinnest) * std::max(size.y, kThinnest) * std::max(size.z, kThinnest);
+constexpr double kAlikeSize = 0.03;   // share: sizes that differ less are equal
+constexpr double kAlikePlace = 0.03;  // metres: places that differ less are equal
+constexpr double kThinnest = 0.01;    // metres
+
+bool is_place(ObjectChoice choice) {
+  return choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight || choice == ObjectChoice::kHighest ||
+         choice == ObjectChoice::kLowest;
 }
 
-/// The measure of which the chosen object has most.
-std::function<double(const Instance&)> measure_of(ObjectChoice choice, const std::vector<Instance>& candidates,
-                                                  const Viewpoint& viewpoint) {
-  if (choice == ObjectChoice::kLargest) return volume_of;
-  if (choice == ObjectChoice::kSmallest) return [](const Instance& o) { return -volume_of(o); };
-  if (!viewpoint.up) {
-    throw_bad_input({}, "--select", "this room does not tell which way is up, so that no object is left or highest",
-                    "name the object by its number: `aligngs edit RUN --list` shows them");
+/// A direction is asked of objects on one side of the viewer only.
+Vec3d right_of_all(const RoomObjects& objects, const std::vector<size_t>& candidates, const std::string& what) {
+  Vec3d middle;
+  for (const size_t i : candidates)
+    middle += objects[i].centre.cast<double>() * (1.0 / static_cast<double>(candidates.size()));
+  const Vec3d right = right_of_viewer(objects.viewpoint(), middle);
+  const Vec3d forward = cross(objects.axes().up, right), place = objects.viewpoint().place.value_or(middle);
+  for (const size_t i : candidates) {
+    if (dot(forward, objects[i].centre.cast<double>() - place) >= 0) continue;
+    throw_bad_input({}, "--select", "the cameras are among these objects, so that none is \"" + what + "\"",
+                    "name one by its number: " + objects.names(candidates));
   }
-  const Vec3d up = *viewpoint.up;
-  Vec3d direction = up;
-  if (choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight) {
-    Vec3d middle;
-    for (const Instance& o : candidates)
-      middle += o.centre.cast<double>() * (1.0 / static_cast<double>(candidates.size()));
-    Vec3d forward = middle - viewpoint.place.value_or(middle);
-    forward -= up * dot(forward, up);
-    constexpr double kShortest = 1e-6;  // scene units
-    if (norm(forward) < kShortest) {
-      throw_bad_input({}, "--select", "the cameras are among these objects, so that none is left or right",
-                      "name the object by its number: `aligngs edit RUN --list` shows them");
-    }
-    direction = normalized(cross(forward, up));  // to the right
-  }
-  const double sign = choice == ObjectChoice::kLeft || choice == ObjectChoice::kLowest ? -1 : 1;
-  return [direction, sign](const Instance& o) { return sign * dot(direction, o.centre.cast<double>()); };
+  return right;
 }
 
-void choose(std::vector<SelectionTerm>& terms, const std::vector<Instance>& objects, const Viewpoint& viewpoint,
-            const LabelSet& labels) {
-  for (SelectionTerm& term : terms) {
-    if (term.choice == ObjectChoice::kNone) continue;
-    std::vector<Instance> candidates;
-    for (const Instance& o : objects) {
-      if (o.label == term.label) candidates.push_back(o);
-    }
-    if (candidates.empty()) {
-      throw_bad_input(
-          {}, "--select",
-          "the room has no object that is \"" + labels.classes.at(static_cast<size_t>(term.label)).name + "\"",
-          "`aligngs edit RUN --list` shows what it holds");
-    }
-    // One object is the left one as well as the largest.
-    size_t best = 0;
-    if (candidates.size() > 1) {
-      const auto measure = measure_of(term.choice, candidates, viewpoint);
-      for (size_t i = 1; i < candidates.size(); ++i) {
-        if (measure(candidates[i]) > measure(candidates[best])) best = i;
-      }
-    }
-    term.instance = candidates[best].number;
-    term.choice = ObjectChoice::kNone;
+/// The measure of which the chosen object has most; metres and cubic metres.
+double measure(const RoomObjects& objects, size_t i, ObjectChoice choice, const Vec3d& right) {
+  const ObjectBox& box = objects.box(i);
+  const double metre = objects.metre();
+  switch (choice) {
+    case ObjectChoice::kLargest:
+      return box.volume(kThinnest * metre) / (metre * metre * metre);
+    case ObjectChoice::kSmallest:
+      return -box.volume(kThinnest * metre) / (metre * metre * metre);
+    case ObjectChoice::kTallest:
+      return box.height() / metre;
+    case ObjectChoice::kShortest:
+      return -box.height() / metre;
+    case ObjectChoice::kWidest:
+      return box.length / metre;
+    case ObjectChoice::kNarrowest:
+      return -box.length / metre;
+    case ObjectChoice::kHighest:
+      return box.middle_height() / metre;
+    case ObjectChoice::kLowest:
+      return -box.middle_height() / metre;
+    case ObjectChoice::kLeft:
+      return -dot(right, objects[i].centre.cast<double>()) / metre;
+    default:
+      return dot(right, objects[i].centre.cast<double>()) / metre;
   }
 }
 
 }  // namespace
 
-SelectionQuery with_numbers(SelectionQuery query, const std::vector<Instance>& objects, const Viewpoint& viewpoint,
-                            const LabelSet& labels) {
-  choose(query.include, objects, viewpoint, labels);
-  choose(query.exclude, objects, viewpoint, labels);
-  return query;
+size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
+                     const std::string& what) {
+  if (candidates.size() == 1) return candidates[0];  // the left one as well as the largest
+  Vec3d right;
+  if (choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight) right = right_of_all(objects, candidates, what);
+  const bool is_size = choice == ObjectChoice::kLargest || choice == ObjectChoice::kSmallest ||
+                       choice == ObjectChoice::kWidest || choice == ObjectChoice::kNarrowest;
+  if (!is_size) up_of_viewer(objects.viewpoint());
+  std::vector<std::pair<double, size_t>> measured;
+  for (const size_t i : candidates) measured.emplace_back(-measure(objects, i, choice, right), i);
+  std::sort(measured.begin(), measured.end());
+  const double alike = is_place(choice) ? kAlikePlace : kAlikeSize * std::abs(measured[0].first);
+  std::vector<size_t> equal;
+  for (const auto& [value, i] : measured) {
+    if (value <= measured[0].first + alike) equal.push_back(i);
+  }
+  if (equal.size() > 1) {
+    std::sort(equal.begin(), equal.end());
+    throw_bad_input({}, "--select", "\"" + what + "\" fits these alike: " + objects.names(equal),
+                    "name one by its number");
+  }
+  return measured[0].second;
 }
 
 }  // namespace aligngs

@@ -1,25 +1,21 @@
-// "the largest chair", "the left pillow": the number of the object that is meant.
+// "the largest chair", "the left pillow": which of some objects is meant.
 #pragma once
 
-#include <optional>
+#include <cstddef>
+#include <string>
 #include <vector>
 
-#include "edit/selection_text.h"
-#include "gaussians/instances.h"
+#include "edit/relation/room_objects.h"
+#include "edit/selection_words.h"
 
 namespace aligngs {
 
-/// Directions that "left" and "highest" need.
-struct Viewpoint {
-  std::optional<Vec3d> up;     ///< unit, world
-  std::optional<Vec3d> place;  ///< world; the mean place of the photos' cameras
-};
-
-/// The query with numbers in place of choices. Largest and smallest compare the volume of the boxes around the
-/// objects, and highest and lowest their middles. Left and right are as a person sees who is at the mean place of the
-/// cameras and looks at the objects of that class. Error{kBadInput} when the room has no such object, or when a
-/// direction is not known.
-SelectionQuery with_numbers(SelectionQuery query, const std::vector<Instance>& objects, const Viewpoint& viewpoint,
-                            const LabelSet& labels);
+/// The object of `candidates`, which are not empty. Largest and smallest compare the volume of the boxes
+/// (object_box.h), tallest and shortest their heights, widest and narrowest their longer level side. Highest and lowest
+/// compare the middles. Left and right are as a person sees who is at the mean place of the cameras, and looks at the
+/// middle of the candidates. Error{kBadInput} where a direction is not known, where candidates are behind that person,
+/// and where two candidates are nearly equal. `what` is named there.
+size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
+                     const std::string& what);
 
 }  // namespace aligngs

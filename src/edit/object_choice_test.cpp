@@ -3,69 +3,75 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "edit/small_room_for_tests.h"
 
 namespace aligngs {
 namespace {
 
-/// An object whose box has edges of `size` metres.
-Instance object(const char* name, int number, const Vec3f& centre, float size) {
-  Instance o;
-  o.label = ade20k_labels().find(name);
-  o.number = number;
-  o.gaussians = 100;
-  o.centre = centre;
-  o.low = centre - Vec3f{size / 2, size / 2, size / 2};
-  o.high = centre + Vec3f{size / 2, size / 2, size / 2};
-  return o;
-}
+constexpr int kChosenChair = 19;  // ADE20K class number
 
-/// Up is -y as in a camera's world; the cameras look along +z, so that +x is on the right.
-class ObjectChoiceTest : public testing::Test {
+/// Up is -y; the cameras look along +z, so that +x is on the right.
+class ObjectChoiceTest : public small_room::LabelledBoxes {
  protected:
-  std::string chosen(const std::string& text) const {
-    const Vocabulary vocabulary(ade20k_labels());
-    return selection_text(with_numbers(parse_selection(text, vocabulary), objects_, viewpoint_, ade20k_labels()),
-                          ade20k_labels());
+  size_t chosen(ObjectChoice choice) const {
+    const RoomObjects objects(room_, labels_, viewpoint_, 1);
+    std::vector<size_t> all;
+    for (size_t i = 0; i < objects.size(); ++i) all.push_back(i);
+    return chosen_object(objects, all, choice, "it");
   }
-  std::vector<Instance> objects_ = {object("chair", 1, {0, 0, 2}, 0.5f), object("chair", 2, {1, 0, 3}, 0.9f),
-                                    object("pillow", 1, {0.5f, -0.6f, 2}, 0.4f),
-                                    object("pillow", 2, {-0.5f, -0.5f, 2}, 0.4f), object("bed", 1, {0, 0, 2.5f}, 2)};
+  void add_chair(float x, float z, float size, float height, int number) {
+    add({x - size / 2, -height, z - size / 2}, {x + size / 2, 0, z + size / 2}, kChosenChair, number);
+  }
+  LabelSet labels_ = ade20k_labels();
   Viewpoint viewpoint_{Vec3d{0, -1, 0}, Vec3d{0, -1.5, -1}};
 };
 
 TEST_F(ObjectChoiceTest, SizeIsThatOfTheBoxAndNotTheNumberOfGaussians) {
-  EXPECT_EQ(chosen("the largest chair"), "chair#2");
-  EXPECT_EQ(chosen("smallest chair"), "chair#1");
+  add_chair(0, 2, 0.4f, 0.4f, 1);
+  add_chair(1, 3, 0.8f, 0.8f, 2);
+  EXPECT_EQ(chosen(ObjectChoice::kLargest), 1u);
+  EXPECT_EQ(chosen(ObjectChoice::kSmallest), 0u);
 }
 
-TEST_F(ObjectChoiceTest, LeftIsAsThePhotosSeeIt) {
-  EXPECT_EQ(chosen("the left pillow"), "pillow#2");
-  EXPECT_EQ(chosen("rightmost pillow"), "pillow#1");
+TEST_F(ObjectChoiceTest, StrayGaussiansDoNotMakeAChairLarge) {
+  add_chair(0, 2, 0.4f, 0.4f, 1);
+  add({3, -2.04f, 5}, {3.04f, -2, 5.04f}, kChosenChair, 1);  // strays of the first one
+  add_chair(1, 3, 0.8f, 0.8f, 2);
+  EXPECT_EQ(chosen(ObjectChoice::kLargest), 1u);
+  EXPECT_EQ(chosen(ObjectChoice::kTallest), 1u);
 }
 
-TEST_F(ObjectChoiceTest, HighAndLowFollowTheUpDirection) {
-  EXPECT_EQ(chosen("highest pillow"), "pillow#1");
-  EXPECT_EQ(chosen("lowest pillow"), "pillow#2");
+TEST_F(ObjectChoiceTest, LeftAndRightAreAsThePhotosSeeIt) {
+  add_chair(-0.5f, 2, 0.4f, 0.4f, 1);
+  add_chair(0.5f, 2, 0.4f, 0.4f, 2);
+  EXPECT_EQ(chosen(ObjectChoice::kLeft), 0u);
+  EXPECT_EQ(chosen(ObjectChoice::kRight), 1u);
 }
 
-TEST_F(ObjectChoiceTest, AnExceptionCanBeAChoice) {
-  EXPECT_EQ(chosen("every chair but the largest chair"), "chair but chair#2");
+TEST_F(ObjectChoiceTest, NoneIsLeftWhereTheCamerasAreBetween) {
+  viewpoint_.place = Vec3d{0, -1.5, 2};
+  add_chair(-0.5f, 1, 0.4f, 0.4f, 1);
+  add_chair(0.5f, 4, 0.4f, 0.4f, 2);
+  EXPECT_THROW(chosen(ObjectChoice::kLeft), Error);
+}
+
+TEST_F(ObjectChoiceTest, EqualOnesAreNamed) {
+  add_chair(-0.5f, 2, 0.4f, 0.4f, 1);
+  add_chair(0.5f, 2, 0.4f, 0.4f, 2);
+  try {
+    chosen(ObjectChoice::kLargest);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("chair#1, chair#2"));
+  }
 }
 
 TEST_F(ObjectChoiceTest, OneObjectNeedsNoDirection) {
   viewpoint_ = {};
-  EXPECT_EQ(chosen("the left bed"), "bed#1");
-  EXPECT_THROW(chosen("the left pillow"), Error);
-}
-
-TEST_F(ObjectChoiceTest, AClassThatTheRoomLacksIsNamed) {
-  try {
-    chosen("the largest sofa");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
-    EXPECT_THAT(error.what(), testing::HasSubstr("sofa"));
-  }
+  add_chair(0, 2, 0.4f, 0.4f, 1);
+  EXPECT_EQ(chosen(ObjectChoice::kLeft), 0u);
+  add_chair(1, 2, 0.4f, 0.4f, 2);
+  EXPECT_THROW(chosen(ObjectChoice::kLeft), Error);
 }
 
 }  // namespace

@@ -12,9 +12,14 @@ namespace {
 constexpr const char* kGrowing[] = {"plant", "flower", "tree", "palm"};
 constexpr const char* kHolding[] = {"pot", "vase"};
 
+/// One flag per class.
 template <class Names>
-bool is_one_of(const LabelSet& labels, int label, const Names& names) {
-  return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return labels.find(name) == label; });
+std::vector<uint8_t> classes_of(const LabelSet& labels, const Names& names) {
+  std::vector<uint8_t> flags(labels.classes.size(), 0);
+  for (const char* name : names) {
+    if (const int label = labels.find(name); label >= 0) flags[static_cast<size_t>(label)] = 1;
+  }
+  return flags;
 }
 
 }  // namespace
@@ -28,16 +33,17 @@ std::vector<Instance> parts_of(const LabelledGaussians& room, const std::vector<
   const auto row_of = [&](size_t i) {
     return Vec3f{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
   };
+  const std::vector<uint8_t> growing = classes_of(labels, kGrowing), holding = classes_of(labels, kHolding);
   std::vector<Vec3f> places;
   for (uint32_t i = 0; i < selected.size(); ++i) {
-    if (selected[i] && room.labels.label[i] != kNoLabel && is_one_of(labels, room.labels.label[i], kGrowing))
+    if (selected[i] && room.labels.label[i] < growing.size() && growing[room.labels.label[i]])
       places.push_back(row_of(i));
   }
   if (places.empty()) return parts;
   const PointTree tree(std::move(places));
   std::vector<PointTree::Neighbour> near;
   for (const Instance& o : list_instances(model, room.labels)) {
-    if (!is_one_of(labels, o.label, kHolding)) continue;
+    if (!holding[static_cast<size_t>(o.label)]) continue;
     size_t touching = 0, taken = 0;
     double above = 0;  // of the leaves that touch, over the middle of the pot
     for (size_t i = 0; i < model.size(); ++i) {

@@ -62,8 +62,8 @@ std::vector<SelectionTerm> selectable(const EditableRoom& room) {
   std::vector<SelectionTerm> terms;
   std::map<int, size_t> counts;
   for (const Instance& o : list_instances(room.gaussians.model, room.gaussians.labels)) {
-    terms.push_back({o.label, o.number, ObjectChoice::kNone});
-    if (++counts[o.label] == 2) terms.push_back({o.label, 0, ObjectChoice::kNone});
+    terms.push_back({o.label, o.number});
+    if (++counts[o.label] == 2) terms.push_back({o.label, 0});
   }
   return terms;
 }

@@ -3,91 +3,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
+#include <optional>
 #include <tuple>
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "edit/selection_item.h"
 
 namespace aligngs {
 namespace {
 
 constexpr size_t kLongestText = 4096;  // bytes: hundreds of names
-constexpr int kMostNumbers = 1000;     // objects of one range
 constexpr const char* kSelectionExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
-
-/// "pillow 2" and "pillows 1 to 3" for "pillow#2" and "pillow#1-3": the numbers, where the words before them are a name.
-std::string_view take_spoken_number(std::string_view& item, const Vocabulary& vocabulary) {
-  for (size_t blank = item.find_first_of(" \t"); blank != std::string_view::npos;
-       blank = item.find_first_of(" \t", blank + 1)) {
-    const std::string_view name = trimmed(item.substr(0, blank)), numbers = trimmed(item.substr(blank));
-    if (object_numbers(numbers).first == 0 || !vocabulary.find(name)) continue;
-    item = name;
-    return numbers;
-  }
-  return {};
-}
-
-/// "2" after "pillows 1", and "#2" after any name, are of that name.
-bool continues(const std::vector<SelectionTerm>& terms, std::string_view name, std::string_view numbers) {
-  if (terms.empty() || !terms.back().named.empty()) return false;
-  return name.empty() || (numbers.empty() && terms.back().instance > 0 && object_numbers(name).first > 0);
-}
-
-/// Adds the terms of one item.
-void parse_term(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms) {
-  SelectionTerm term;
-  const std::string whole(item);
-  if (const auto named = vocabulary.find_selection(item)) {
-    term.label = -1;
-    term.named = *named;
-    terms.push_back(term);
-    return;
-  }
-  if (!vocabulary.find(item)) item = without_quantifier(item);
-  if (!vocabulary.find(item)) term.choice = take_choice(item);
-  const int ordinal = vocabulary.find(item) || term.choice != ObjectChoice::kNone ? 0 : take_ordinal(item);
-  const size_t hash = item.find('#');
-  std::string_view numbers;
-  if (ordinal > 0) {
-    term.label = vocabulary.resolve(item);
-    term.instance = ordinal;
-    terms.push_back(term);
-    return;
-  }
-  if (hash != std::string_view::npos) {
-    numbers = trimmed(item.substr(hash + 1));
-    item = trimmed(item.substr(0, hash));
-  } else if (!vocabulary.find(item)) {
-    numbers = take_spoken_number(item, vocabulary);
-  }
-  if (!vocabulary.find(item) && continues(terms, item, numbers)) {
-    term.label = terms.back().label;
-    if (!item.empty()) numbers = item;
-  } else {
-    term.label = vocabulary.resolve(item);
-  }
-  if (hash == std::string_view::npos && numbers.empty()) {
-    terms.push_back(term);
-    return;
-  }
-  const auto [first, last] = object_numbers(numbers);
-  if (first == 0 || last - first >= kMostNumbers || term.choice != ObjectChoice::kNone) {
-    throw_usage("\"" + whole + "\" has no object number after '#'",
-                "objects are numbered from 1: \"pillow#2\" or \"pillow#1-3\"");
-  }
-  for (term.instance = first; term.instance <= last; ++term.instance) terms.push_back(term);
-}
 
 bool is_everything(std::string_view item) {
   const std::string word = folded_name(item);
   return word == "everything" || word == "all";
 }
 
+/// "The pillows on the bed and the sofa" may mean the sofa, or the pillows on it.
+[[noreturn]] void refuse_two_readings(const RelatedItem& before, std::string_view after) {
+  const std::string target(before.target), place(before.place), other(after);
+  const auto found = find_relation(before.place, true);
+  const std::string relation(before.place.substr(0, found->length));
+  throw_usage("\"" + target + " " + place + " and " + other + "\" has two readings: say \"" + target + " " + place +
+              ", " + other + "\" or \"" + target + " " + place + ", " + target + " " + relation + " " + other + "\"");
+}
+
 /// One item between commas; "a and b" is two unless a class is called so. "And" may also follow a comma.
 void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
                 bool* everything) {
+  std::optional<RelatedItem> before;  // of an item that tells a place, and has a conjunction after it
   while (true) {
     item = trimmed(item);
     if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
@@ -98,11 +45,16 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
     const auto [conjunction, length] =
         vocabulary.find(item) ? std::pair(std::string_view::npos, size_t(0)) : find_conjunction(item, 1);
     const std::string_view first = trimmed(item.substr(0, conjunction));
+    std::string whole(first);
+    if (before && find_relation(first, true)) whole = std::string(before->target) + " " + whole;  // "and on the sofa"
+    const auto related = related_item(whole == first ? first : std::string_view(whole), vocabulary);
+    if (before && !related) refuse_two_readings(*before, first);
     if (everything && is_everything(first) && !vocabulary.find(first)) {
       *everything = true;
     } else {
-      parse_term(first, vocabulary, terms);
+      parse_item_terms(whole, vocabulary, terms);
     }
+    if (related && whole == first) before = related;
     if (conjunction == std::string_view::npos) return;
     item.remove_prefix(conjunction + length);
   }
@@ -120,9 +72,17 @@ void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector
 
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
   if (!term.named.empty()) return term.named;
-  const std::string& name = labels.classes.at(term.label).name;
-  if (term.choice != ObjectChoice::kNone) return choice_word(term.choice) + " " + name;
-  return term.instance ? name + "#" + std::to_string(term.instance) : name;
+  const std::string name = term.label < 0 ? std::string(group_name(term.group)) : labels.classes.at(term.label).name;
+  std::string text = term.choice != ObjectChoice::kNone ? choice_word(term.choice) + " " + name
+                     : term.instance                    ? name + "#" + std::to_string(term.instance)
+                     : term.count > 1                   ? std::to_string(term.count) + " x " + name
+                     : term.relation && term.count == 0 ? "all " + name
+                                                        : name;
+  if (!term.relation) return text;
+  text += " " + std::string(relation_word(term.relation->relation)) + " ";
+  for (const SelectionTerm& anchor : term.relation->anchors)
+    text += (&anchor == term.relation->anchors.data() ? "" : ", ") + term_text(anchor, labels);
+  return text;
 }
 
 /// Terms with commas between; three or more numbers in a row are a range.
@@ -132,7 +92,7 @@ std::string terms_text(const std::vector<SelectionTerm>& terms, const LabelSet& 
   for (size_t i = 0; i < terms.size();) {
     size_t end = i + 1;
     while (end < terms.size() && terms[i].instance > 0 && terms[end].label == terms[i].label &&
-           terms[end].instance == terms[end - 1].instance + 1) {
+           terms[end].instance == terms[end - 1].instance + 1 && !terms[i].relation && !terms[end].relation) {
       ++end;
     }
     if (end - i < kShortestRange) end = i + 1;
@@ -143,14 +103,16 @@ std::string terms_text(const std::vector<SelectionTerm>& terms, const LabelSet& 
   return text;
 }
 
+}  // namespace
+
 void sort_terms(std::vector<SelectionTerm>& terms) {
-  const auto key = [](const SelectionTerm& t) { return std::tie(t.label, t.instance, t.choice, t.named); };
+  const auto key = [](const SelectionTerm& t) {
+    return std::tie(t.label, t.instance, t.choice, t.named, t.group, t.count, t.relation);
+  };
   std::sort(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
   terms.erase(std::unique(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
               terms.end());
 }
-
-}  // namespace
 
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary) {
   if (text.size() > kLongestText) throw_usage("the selection is longer than 4096 bytes", kSelectionExample);

@@ -19,16 +19,36 @@ constexpr std::string_view kQuantifiers[] = {"all of the",  "each of the", "ever
                                              "that",        "these",       "those"};
 
 constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
-    {"largest", ObjectChoice::kLargest},   {"biggest", ObjectChoice::kLargest}, {"smallest", ObjectChoice::kSmallest},
-    {"larger", ObjectChoice::kLargest},    {"bigger", ObjectChoice::kLargest},  {"smaller", ObjectChoice::kSmallest},
-    {"large", ObjectChoice::kLargest},     {"big", ObjectChoice::kLargest},     {"small", ObjectChoice::kSmallest},
-    {"left", ObjectChoice::kLeft},         {"leftmost", ObjectChoice::kLeft},   {"left most", ObjectChoice::kLeft},
-    {"right", ObjectChoice::kRight},       {"rightmost", ObjectChoice::kRight}, {"right most", ObjectChoice::kRight},
-    {"highest", ObjectChoice::kHighest},   {"topmost", ObjectChoice::kHighest}, {"upper", ObjectChoice::kHighest},
-    {"uppermost", ObjectChoice::kHighest}, {"lowest", ObjectChoice::kLowest},   {"lower", ObjectChoice::kLowest}};
+    {"largest", ObjectChoice::kLargest},     {"biggest", ObjectChoice::kLargest},
+    {"smallest", ObjectChoice::kSmallest},   {"larger", ObjectChoice::kLargest},
+    {"bigger", ObjectChoice::kLargest},      {"smaller", ObjectChoice::kSmallest},
+    {"large", ObjectChoice::kLargest},       {"big", ObjectChoice::kLargest},
+    {"small", ObjectChoice::kSmallest},      {"left", ObjectChoice::kLeft},
+    {"leftmost", ObjectChoice::kLeft},       {"left most", ObjectChoice::kLeft},
+    {"right", ObjectChoice::kRight},         {"rightmost", ObjectChoice::kRight},
+    {"right most", ObjectChoice::kRight},    {"highest", ObjectChoice::kHighest},
+    {"topmost", ObjectChoice::kHighest},     {"upper", ObjectChoice::kHighest},
+    {"uppermost", ObjectChoice::kHighest},   {"lowest", ObjectChoice::kLowest},
+    {"lower", ObjectChoice::kLowest},        {"tallest", ObjectChoice::kTallest},
+    {"taller", ObjectChoice::kTallest},      {"tall", ObjectChoice::kTallest},
+    {"shortest", ObjectChoice::kShortest},   {"shorter", ObjectChoice::kShortest},
+    {"short", ObjectChoice::kShortest},      {"widest", ObjectChoice::kWidest},
+    {"wider", ObjectChoice::kWidest},        {"wide", ObjectChoice::kWidest},
+    {"longest", ObjectChoice::kWidest},      {"longer", ObjectChoice::kWidest},
+    {"narrowest", ObjectChoice::kNarrowest}, {"narrower", ObjectChoice::kNarrowest},
+    {"narrow", ObjectChoice::kNarrowest}};
 
-constexpr std::pair<std::string_view, ObjectChoice> kPlaces[] = {{" on the left", ObjectChoice::kLeft},
-                                                                 {" on the right", ObjectChoice::kRight}};
+constexpr std::pair<std::string_view, ObjectChoice> kPlaces[] = {
+    {" on the left", ObjectChoice::kLeft},      {" to the left", ObjectChoice::kLeft},
+    {" on the left side", ObjectChoice::kLeft}, {" on the right", ObjectChoice::kRight},
+    {" to the right", ObjectChoice::kRight},    {" on the right side", ObjectChoice::kRight}};
+
+constexpr std::string_view kBoth[] = {"both of the", "both the", "both"};
+constexpr std::string_view kBeforeCounts[] = {"all of the", "all the", "all", "the", "these", "those", "my"};
+/// Words between a thing and its place, the last one first.
+constexpr std::string_view kFillers[] = {"standing", "lying",  "sitting", "hanging", "placed",   "located", "is",
+                                         "are",      "stands", "stand",   "lies",    "lie",      "hangs",   "hang",
+                                         "sits",     "sit",    "that",    "which",   "directly", "just",    "right"};
 
 /// Longer ones before those that they begin with.
 constexpr std::string_view kConjunctions[] = {"as well as", "and", "or", "&", "+", "plus"};
@@ -124,14 +144,59 @@ std::string_view without_quantifier(std::string_view item) {
   return item;
 }
 
+bool begins_with_quantifier(std::string_view item) {
+  item = trimmed(item);
+  const auto begins = [&](std::string_view quantifier) {
+    constexpr std::string_view kOfOne[] = {"my", "our", "your", "this", "that"};
+    return std::find(std::begin(kOfOne), std::end(kOfOne), quantifier) == std::end(kOfOne) &&
+           take_phrase(item, quantifier);
+  };
+  return std::any_of(std::begin(kQuantifiers), std::end(kQuantifiers), begins);
+}
+
+ObjectChoice take_place(std::string_view& item) {
+  const std::string low = lower_case(trimmed(item));
+  for (const auto& [ending, choice] : kPlaces) {
+    if (low.size() <= ending.size() || !low.ends_with(ending)) continue;
+    item = trimmed(item);
+    item = trimmed(item.substr(0, item.size() - ending.size()));
+    return choice;
+  }
+  return ObjectChoice::kNone;
+}
+
+int take_count(std::string_view& item) {
+  std::string_view rest = trimmed(item);
+  for (const std::string_view both : kBoth) {
+    if (!take_phrase(rest, both)) continue;
+    item = rest;
+    return 2;
+  }
+  for (const std::string_view before : kBeforeCounts) {
+    if (take_phrase(rest, before)) break;
+  }
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  const int count = word.size() == rest.size() || word.front() == '#' ? 0 : number_of(word);
+  if (count > 0) item = trimmed(rest.substr(word.size()));
+  return count;
+}
+
+std::string_view without_filler(std::string_view item) {
+  item = trimmed(item);
+  for (size_t length = 0; length != item.size();) {
+    length = item.size();
+    for (const std::string_view filler : kFillers) {
+      if (item.size() <= filler.size() + 1 || !lower_case(item).ends_with(filler)) continue;
+      const std::string_view rest = item.substr(0, item.size() - filler.size());
+      if (is_blank(rest.back())) item = trimmed(rest);
+    }
+  }
+  return item;
+}
+
 ObjectChoice take_choice(std::string_view& item) {
   std::string_view rest = trimmed(item);
   take_phrase(rest, "the");
-  for (const auto& [ending, choice] : kPlaces) {
-    if (rest.size() <= ending.size() || !lower_case(rest).ends_with(ending)) continue;
-    item = trimmed(rest.substr(0, rest.size() - ending.size()));
-    return choice;
-  }
   for (const auto& [word, choice] : kChoices) {
     if (!take_phrase(rest, word)) continue;
     item = rest;

@@ -10,7 +10,19 @@
 namespace aligngs {
 
 /// One object of a class by its look, instead of by its number.
-enum class ObjectChoice { kNone, kLargest, kSmallest, kLeft, kRight, kHighest, kLowest };
+enum class ObjectChoice {
+  kNone,
+  kLargest,
+  kSmallest,
+  kLeft,
+  kRight,
+  kHighest,
+  kLowest,
+  kTallest,
+  kShortest,
+  kWidest,
+  kNarrowest
+};
 
 std::string choice_word(ObjectChoice choice);  ///< "largest", "left", ...; empty for kNone
 
@@ -31,8 +43,20 @@ std::pair<size_t, size_t> find_exception(std::string_view text);
 /// alone stays.
 std::string_view without_quantifier(std::string_view item);
 
+/// Whether the item begins with a word for all objects, or for any number of them: "all", "every", "those".
+bool begins_with_quantifier(std::string_view item);
+
 /// Takes "the largest", "leftmost", ... off the begin of an item.
 ObjectChoice take_choice(std::string_view& item);
+
+/// Takes "on the left" or "to the right" off the end of an item.
+ObjectChoice take_place(std::string_view& item);
+
+/// Takes "both", "the two", "all three" off the begin of an item: how many are meant; 0 where it begins otherwise.
+int take_count(std::string_view& item);
+
+/// Takes "that is", "which are", "standing" and the like off the end of an item.
+std::string_view without_filler(std::string_view item);
 
 /// 2 of "second" and of "2nd", in any case; 0 of any other word.
 int ordinal_number(std::string_view word);

@@ -162,10 +162,11 @@ size_t correct_shell_labels(LabelledGaussians& room, const LabelSet& labels, con
   join.color_sigma = options.color_sigma;
   join.rounds = options.reach;
   std::vector<uint8_t> open;
-  changed += join_neighbours(room, crumbs, join, pool, may_join, &open);
+  RoomTree tree(room.model);
+  changed += join_neighbours(room, crumbs, join, pool, may_join, &open, &tree);
   join.majority = 0;  // nothing is in front of a wall for long
-  changed += join_neighbours(room, proud, join, pool, may_join);
-  return changed + join_neighbours(room, open, {}, pool);
+  changed += join_neighbours(room, proud, join, pool, may_join, nullptr, &tree);
+  return changed + join_neighbours(room, open, {}, pool, {}, nullptr, &tree);
 }
 
 }  // namespace aligngs

@@ -18,7 +18,9 @@ struct Phrase {
 const std::vector<Phrase>& phrases() {
   const auto any_case = [](const char* pattern) { return std::regex(pattern, std::regex::icase); };
   static const std::vector<Phrase> all = {
-      {any_case("(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase|clear) +(\\S.*)"), "delete $1"},
+      {any_case("(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase) +(\\S.*)"), "delete $1"},
+      {any_case("(?:clear|empty) +(\\S.*)"), "delete everything on $1"},
+      {any_case("(?:take|remove) +(\\S.*\\S) +(?:off|from)(?: +of)? +(\\S.*)"), "delete $1 on $2"},
       {any_case("(?:take|throw) +(\\S.*\\S) +(?:away|out)"), "delete $1"},
       {any_case("make +(\\S.*\\S) +(?:disappear|vanish|go away)"), "delete $1"},
       {any_case("(?:show|keep|leave) +(?:only|just) +(\\S.*)"), "keep $1"},
@@ -29,7 +31,17 @@ const std::vector<Phrase>& phrases() {
   return all;
 }
 
-/// Takes courtesies off both ends.
+/// "Make X dark green" and "turn X red" for "recolor X dark green".
+std::string with_color_verb(const std::string& text) {
+  static const std::regex pattern("^(?:make|turn|dye) +(\\S.*)$", std::regex::icase);
+  std::smatch match;
+  if (!std::regex_match(text, match, pattern)) return text;
+  std::string object = match[1].str();
+  return take_color(object) && !object.empty() ? "recolor " + match[1].str() : text;
+}
+
+}  // namespace
+
 std::string without_courtesy(std::string text) {
   static const std::regex before(
       "^(?:please|(?:could|can|would|will) you|i (?:want|would like|'d like)(?: you)? to|i'd like(?: you)? to|now)[ "
@@ -43,17 +55,6 @@ std::string without_courtesy(std::string text) {
   }
   return text;
 }
-
-/// "Make X dark green" and "turn X red" for "recolor X dark green".
-std::string with_color_verb(const std::string& text) {
-  static const std::regex pattern("^(?:make|turn|dye) +(\\S.*)$", std::regex::icase);
-  std::smatch match;
-  if (!std::regex_match(text, match, pattern)) return text;
-  std::string object = match[1].str();
-  return take_color(object) && !object.empty() ? "recolor " + match[1].str() : text;
-}
-
-}  // namespace
 
 std::string plain_edit(std::string text) {
   constexpr size_t kLongestSpoken = 400;  // bytes: longer texts are lists, and the patterns recurse over each letter

@@ -20,6 +20,12 @@ TEST(SpokenEdit, ManyWordsMeanDelete) {
     EXPECT_EQ(plain_edit(text), "delete the bed") << text;
 }
 
+TEST(SpokenEdit, ThingsAreTakenOffOthers) {
+  EXPECT_EQ(plain_edit("clear the table"), "delete everything on the table");
+  EXPECT_EQ(plain_edit("take the pillow off the bed"), "delete the pillow on the bed");
+  EXPECT_EQ(plain_edit("remove all books from the shelf"), "delete all books on the shelf");
+}
+
 TEST(SpokenEdit, KeepOnly) {
   EXPECT_EQ(plain_edit("show only the bed"), "keep the bed");
   EXPECT_EQ(plain_edit("only keep the bed"), "keep the bed");

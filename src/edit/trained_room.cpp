@@ -1,5 +1,6 @@
 #include "edit/trained_room.h"
 
+#include <future>
 #include <string>
 #include <utility>
 
@@ -50,6 +51,9 @@ LabelledGaussians read_finished_room(const OpenedRun& run, ThreadPool& pool) {
 
 EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
   EditableRoom room;
+  const fs::path mesh_file = run.folder / "mesh" / "mesh.ply";
+  std::future<TriangleMesh> mesh;  // read beside the Gaussians
+  if (fs::exists(mesh_file)) mesh = std::async(std::launch::async, [&] { return read_mesh_ply(mesh_file); });
   if (run.has_finished_room()) {
     room.gaussians = read_finished_room(run, pool);
   } else {
@@ -57,6 +61,7 @@ EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
     room.gaussians = label_objects(std::move(state.engine.model), run.scene.labels, robust_extent(run.scene), pool);
   }
   room.labels = run.scene.labels;
+  room.metric = run.scene.metric;
   room.up = up_of_room(run.scene, room.gaussians);
   for (const int view : run.scene.train) room.cameras.push_back(run.working_camera(view));
   correct_shell_labels(room.gaussians, room.labels, room.cameras, pool);
@@ -65,8 +70,7 @@ EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
   if (!votes_for_objects(run.scene, run.config)) split_touching_objects(room.gaussians, room.labels, room.up, pool);
   room.origins.reserve(room.gaussians.model.size());
   for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false, i});
-  const fs::path mesh = run.folder / "mesh" / "mesh.ply";
-  if (fs::exists(mesh)) room.mesh = read_mesh_ply(mesh);
+  if (mesh.valid()) room.mesh = mesh.get();
   number_mesh(room);
   return room;
 }

@@ -58,6 +58,13 @@ std::string folded_name(std::string_view text) {
   return out;
 }
 
+std::string without_article(std::string folded) {
+  for (const std::string_view article : {"the ", "a ", "an "}) {
+    if (folded.compare(0, article.size(), article) == 0) folded.erase(0, article.size());
+  }
+  return folded;
+}
+
 void Vocabulary::add(const std::string& word, int label) {
   const std::string folded = folded_name(word);
   if (folded.empty()) return;
@@ -82,12 +89,18 @@ Vocabulary::Vocabulary(const LabelSet& labels) : labels_(labels) {
   }
 }
 
+bool Vocabulary::is_plural(std::string_view word) const {
+  const std::string folded = without_article(folded_name(word));
+  if (exact_.count(folded)) return false;
+  const std::vector<std::string> forms = singular_forms(folded);
+  return std::any_of(forms.begin(), forms.end(),
+                     [&](const std::string& form) { return form != folded && exact_.count(form) > 0; });
+}
+
 std::optional<int> Vocabulary::find(std::string_view word) const {
   std::string folded = folded_name(word);
   if (const auto it = exact_.find(folded); it != exact_.end()) return it->second;
-  for (const std::string_view article : {"the ", "a ", "an "}) {
-    if (folded.compare(0, article.size(), article) == 0) folded.erase(0, article.size());
-  }
+  folded = without_article(std::move(folded));
   for (const std::string& form : singular_forms(folded)) {
     if (const auto it = exact_.find(form); it != exact_.end()) return it->second;
   }
@@ -100,7 +113,7 @@ std::optional<int> Vocabulary::find(std::string_view word) const {
 void Vocabulary::prefer(const std::vector<int>& labels) { preferred_ = {labels.begin(), labels.end()}; }
 
 std::vector<std::string> Vocabulary::suggestions(std::string_view word, size_t most) const {
-  const std::string folded = folded_name(word);
+  const std::string folded = without_article(folded_name(word));
   constexpr size_t kLongestWord = 64;  // bytes; nothing longer is a mistyped name, and the distance is quadratic
   if (folded.empty() || folded.size() > kLongestWord) return {};
   struct Near {

@@ -14,6 +14,8 @@ namespace aligngs {
 
 /// Lower case, words parted by single blanks; '-' and '_' count as blanks.
 std::string folded_name(std::string_view text);
+/// A folded name without "the", "a" or "an" before it.
+std::string without_article(std::string folded);
 
 /// Names, synonyms and everyday words of one label set. Case, plural and '-' or '_' do not matter. A typing error is
 /// answered with suggestions, never guessed. An edit of the wrong object is worse than a second try.
@@ -23,6 +25,8 @@ class Vocabulary {
 
   /// Class number, or nothing when the word is unknown. A name goes before a synonym, a synonym before a plural.
   std::optional<int> find(std::string_view word) const;
+  /// Whether the word is a plural of a known word, and none itself: "beds", but not "stairs".
+  bool is_plural(std::string_view word) const;
   /// Class number; Error{kUsage} with suggestions when the word is unknown.
   int resolve(std::string_view word) const;
   /// Classes that the room holds: they come first among the suggestions.

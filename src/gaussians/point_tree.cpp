@@ -66,15 +66,18 @@ NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, Threa
 
 NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k,
                                ThreadPool& pool) {
+  return neighbour_graph(PointTree(points), rows, k, pool);
+}
+
+NeighbourGraph neighbour_graph(const PointTree& tree, const std::vector<uint32_t>& rows, size_t k, ThreadPool& pool) {
   NeighbourGraph graph;
   graph.k = k;
   graph.index.assign(rows.size() * k, NeighbourGraph::kNone);
   graph.distance.assign(rows.size() * k, std::numeric_limits<float>::infinity());
-  const PointTree tree(points);
   pool.parallel_for(rows.size(), kQueryGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> found;
     for (size_t i = begin; i < end; ++i) {
-      tree.nearest(points[rows[i]], k + 1, found);
+      tree.nearest(tree.point(rows[i]), k + 1, found);
       size_t slot = 0;
       for (const PointTree::Neighbour& n : found) {
         if (n.index == rows[i] || slot == k) continue;

@@ -49,5 +49,7 @@ NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, Threa
 /// The same for some of the points: neighbours of the point rows[i] are at [k * i, k * i + k).
 NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k,
                                ThreadPool& pool);
+/// The same for some points of a tree, which answers several such questions.
+NeighbourGraph neighbour_graph(const PointTree& tree, const std::vector<uint32_t>& rows, size_t k, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -92,11 +92,24 @@ ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, Sc
   return plane;
 }
 
+/// Points near a plane; where they cannot be more than `most`, any number up to that.
+size_t count_members(const std::vector<PlanePoint>& points, const ScenePlane& plane, const PlaneSettings& s,
+                     double least_cosine, size_t most) {
+  size_t count = 0;
+  for (size_t k = 0; k < points.size() && count + (points.size() - k) > most; ++k)
+    count += belongs(points[k], plane, s.inlier, least_cosine);
+  return count;
+}
+
 ScenePlane best_candidate(const std::vector<PlanePoint>& points, const Indices& of, const PlaneSettings& s,
                           Random& random) {
   Indices scored = of;
   random.shuffle(scored);
   scored.resize(std::min(scored.size(), kScored));
+  std::vector<PlanePoint> compared;
+  compared.reserve(scored.size());
+  for (const size_t i : scored) compared.push_back(points[i]);
+  const double least_cosine = std::cos(s.normal_angle * kRadiansPerDegree);
   ScenePlane best;
   size_t most = 0;
   for (int c = 0; c < s.candidates; ++c) {
@@ -105,7 +118,7 @@ ScenePlane best_candidate(const std::vector<PlanePoint>& points, const Indices& 
     plane.normal = p.normal;
     plane.offset = -dot(p.normal, p.position);
     plane.kind = p.kind;
-    const size_t count = members(points, scored, plane, s).size();
+    const size_t count = count_members(compared, plane, s, least_cosine, most);
     if (count > most) {
       most = count;
       best = plane;

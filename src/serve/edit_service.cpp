@@ -161,14 +161,22 @@ std::string EditService::push(const std::string& request) {
   return listed("report", report);
 }
 
-std::string EditService::undone(size_t number) {
-  redo_.push_back(session().undo(number));
-  return listed("undone", describe(redo_.back()));
+std::string EditService::undone(const UndoRequest& request) {
+  std::vector<EditOperation> taken;
+  if (request.number > 0) {
+    taken.push_back(session().undo(request.number));
+  } else {
+    taken = session().undo_latest(request.latest);
+  }
+  redo_.insert(redo_.end(), taken.begin(), taken.end());
+  std::string texts;
+  for (const EditOperation& edit : taken) texts += (texts.empty() ? "" : "; ") + describe(edit);
+  return listed("undone", texts);
 }
 
 std::string EditService::undo(const std::string& request) {
   text_fields(request, {});
-  return undone(0);
+  return undone(UndoRequest{});
 }
 
 std::string EditService::redo(const std::string& request) {

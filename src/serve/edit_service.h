@@ -72,7 +72,7 @@ class EditService {
   void tell_changed();
   /// Runs one request. Memory that it freed goes back to the system, as the session stays for hours.
   std::string lean(std::string (EditService::*call)(const std::string&), const std::string& request);
-  std::string undone(size_t number);
+  std::string undone(const UndoRequest& request);
   nlohmann::json stack();  ///< what list() writes
   /// list() after a change of the stack, with one more field.
   std::string listed(const char* what, const nlohmann::json& value);

@@ -39,32 +39,37 @@ class Spectrum {
   }
   /// The value at a shift, which may be negative.
   float real(int i, int j) { return at((i + side_) % side_, (j + side_) % side_).real(); }
-  void forward() { transform(false); }
-  void inverse() { transform(true); }
+  /// Only lines below `lines` have values that are not 0.
+  void forward(int lines) {
+    for (int j = 0; j < lines; ++j) line(j, 1, false);  // the transform of zeros is zeros
+    for (int i = 0; i < side_; ++i) line(i, side_, false);
+  }
+  /// Values are right in the columns from -reach to reach alone.
+  void inverse(int reach) {
+    for (int j = 0; j < side_; ++j) line(j, 1, true);
+    for (int i = -std::min(reach, side_ / 2); i <= reach && 2 * i < side_; ++i) line((i + side_) % side_, side_, true);
+  }
   /// Correlation: conj(this) * other.
   void correlate(const Spectrum& other) {
     for (size_t k = 0; k < values_.size(); ++k) values_[k] = std::conj(values_[k]) * other.values_[k];
   }
 
  private:
-  void transform(bool back) {
-    const size_t n = static_cast<size_t>(side_);
-    std::vector<std::complex<float>> in(n), out(n);
-    for (int pass = 0; pass < 2; ++pass) {
-      const size_t step = pass == 0 ? 1 : n, line = pass == 0 ? n : 1;
-      for (size_t l = 0; l < n; ++l) {
-        for (size_t k = 0; k < n; ++k) in[k] = values_[l * line + k * step];
-        if (back)
-          fft_.inv(out, in);
-        else
-          fft_.fwd(out, in);
-        for (size_t k = 0; k < n; ++k) values_[l * line + k * step] = out[k];
-      }
-    }
+  /// Transforms one row (step 1) or one column (step side).
+  void line(int number, int step, bool back) {
+    const size_t n = static_cast<size_t>(side_), stride = static_cast<size_t>(step);
+    const size_t first = static_cast<size_t>(number) * (step == 1 ? n : 1);
+    in_.resize(n);
+    for (size_t k = 0; k < n; ++k) in_[k] = values_[first + k * stride];
+    if (back)
+      fft_.inv(out_, in_);
+    else
+      fft_.fwd(out_, in_);
+    for (size_t k = 0; k < n; ++k) values_[first + k * stride] = out_[k];
   }
   int side_;
   Eigen::FFT<float> fft_;
-  std::vector<std::complex<float>> values_;
+  std::vector<std::complex<float>> values_, in_, out_;
 };
 
 }  // namespace
@@ -83,16 +88,16 @@ SelfLikeness::SelfLikeness(const TextureMap& map, int reach, size_t fewest) : re
       mask.at(i, j) = 1;
     }
   }
-  value.forward();
-  square.forward();
-  mask.forward();
+  value.forward(map.rows);
+  square.forward(map.rows);
+  mask.forward(map.rows);
   Spectrum product = value, energy = square, count = mask;
   product.correlate(value);
   energy.correlate(mask);
   count.correlate(mask);
-  product.inverse();
-  energy.inverse();
-  count.inverse();
+  product.inverse(reach);
+  energy.inverse(reach);
+  count.inverse(reach);
   values_.resize(static_cast<size_t>(2 * reach + 1) * static_cast<size_t>(reach + 1), 0.f);
   for (int j = 0; j <= reach; ++j) {
     for (int i = -reach; i <= reach; ++i) {

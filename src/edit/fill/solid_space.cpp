@@ -87,9 +87,9 @@ bool SolidSpace::hides(const Vec3d& eye, const Vec3d& place) const {
     size_t at = 0;
     bool within = true;
     for (int a = 0; a < 3; ++a) {
-      const int i = static_cast<int>(std::floor((eye[a] + d[a] * t - low_[a]) / cube_));
-      within = within && i >= 0 && i < counts_[a];
-      at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>(std::max(0, i));
+      const double cubes = (eye[a] + d[a] * t - low_[a]) / cube_;
+      within = within && cubes >= 0 && cubes < counts_[a];
+      if (within) at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>(static_cast<int>(cubes));
     }
     if (within && filled_[at]) return true;
   }

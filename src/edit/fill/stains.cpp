@@ -17,7 +17,12 @@ float brightness(const Vec3f& color) { return (color.x + color.y + color.z) / 3;
 
 Stains::Stains(const LabelledGaussians& room, std::vector<Vec3f> removed, std::vector<Vec3f> furniture,
                const FillSettings& settings)
-    : room_(room), settings_(settings), removed_(std::move(removed)), furniture_(std::move(furniture)) {}
+    : room_(room),
+      settings_(settings),
+      beside_(removed, settings.beside * room.extent),
+      shaded_(furniture, settings.shade * room.extent),
+      removed_(std::move(removed)),
+      furniture_(std::move(furniture)) {}
 
 Stains::Surface Stains::surface_of(std::vector<uint32_t> rows) const {
   std::vector<Vec3f> points;
@@ -33,8 +38,8 @@ bool Stains::is_near(const PointTree& tree, const Vec3f& place, double share) co
 
 bool Stains::is_stain(size_t row, const Surface& surface) const {
   const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
-  const bool beside = is_near(removed_, place, settings_.beside);
-  const bool shaded = is_near(furniture_, place, settings_.shade);
+  const bool beside = beside_.may_be_near(place) && is_near(removed_, place, settings_.beside);
+  const bool shaded = shaded_.may_be_near(place) && is_near(furniture_, place, settings_.shade);
   if (!beside && !shaded) return false;
   std::vector<PointTree::Neighbour> near;
   surface.tree.nearest(place, kAround, near);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "edit/fill/fill_removed.h"
+#include "edit/fill/near_cells.h"
 
 namespace aligngs {
 
@@ -35,6 +36,7 @@ class Stains {
 
   const LabelledGaussians& room_;
   const FillSettings& settings_;
+  NearCells beside_, shaded_;  ///< most places are far from both, and trees take long for these
   PointTree removed_, furniture_;
 };
 

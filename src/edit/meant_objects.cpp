@@ -1,0 +1,234 @@
+#include "edit/meant_objects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/error.h"
+#include "edit/object_choice.h"
+#include "edit/relation/object_relations.h"
+
+namespace aligngs {
+namespace {
+
+/// An object, and the one that it is on or near.
+struct Related {
+  size_t object = 0, anchor = 0;
+  double gap = 0;  ///< metres, to the nearest anchor
+};
+
+class MeantObjects {
+ public:
+  explicit MeantObjects(const RoomObjects& objects) : objects_(objects), relations_(objects) {}
+
+  std::vector<SelectionTerm> terms_of(const SelectionTerm& term) const {
+    std::vector<SelectionTerm> out;
+    for (const size_t i : objects_of(term)) {
+      SelectionTerm found;
+      found.label = objects_[i].label;
+      found.instance = is_whole_group(term) ? 0 : objects_[i].number;
+      out.push_back(found);
+    }
+    return out;
+  }
+
+ private:
+  /// "All furniture" also takes what of its classes is no object.
+  static bool is_whole_group(const SelectionTerm& term) {
+    return !term.relation && term.count == 0 && term.choice == ObjectChoice::kNone;
+  }
+
+  std::string words(const SelectionTerm& term) const {
+    SelectionQuery query;
+    query.include = {term};
+    return selection_text(query, objects_.labels());
+  }
+
+  const std::string& class_name(size_t i) const {
+    return objects_.labels().classes.at(static_cast<size_t>(objects_[i].label)).name;
+  }
+
+  static SelectionTerm without_place(SelectionTerm term) {
+    term.relation = nullptr;
+    term.count = 0;
+    return term;
+  }
+
+  std::string all_names() const {
+    std::vector<size_t> all(objects_.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] = i;
+    return all.empty() ? "nothing that has a name" : objects_.names(all);
+  }
+
+  /// Objects of the class or group, anywhere.
+  std::vector<size_t> candidates_of(const SelectionTerm& term) const {
+    std::vector<size_t> found;
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      const Instance& o = objects_[i];
+      const bool fits =
+          term.group != ClassGroup::kNone ? is_of_group(objects_.labels(), o.label, term.group) : o.label == term.label;
+      if (fits && (term.instance == 0 || term.instance == o.number)) found.push_back(i);
+    }
+    if (found.empty()) {
+      SelectionTerm name = without_place(term);
+      name.choice = ObjectChoice::kNone;
+      throw_bad_input({}, "--select", "the room has no object that is \"" + words(name) + "\"",
+                      "it holds: " + all_names());
+    }
+    return found;
+  }
+
+  std::vector<size_t> objects_of(const SelectionTerm& term) const {
+    std::vector<size_t> found = candidates_of(term);
+    std::vector<Related> related;
+    if (term.relation) {
+      related = related_of(term, found);
+      if (term.count != 1) require_one_anchor(term, related);
+      found.clear();
+      for (const Related& r : related) found.push_back(r.object);
+    }
+    if (term.choice != ObjectChoice::kNone) return {chosen_object(objects_, found, term.choice, words(term))};
+    if (term.count == 1 && term.relation && is_distance(term.relation->relation))
+      return {clearly_nearest(term, related)};
+    if (term.count > 0 && found.size() != static_cast<size_t>(term.count)) refuse_count(term, found);
+    return found;
+  }
+
+  static bool is_distance(Relation relation) {
+    return relation != Relation::kOn && relation != Relation::kIn && relation != Relation::kUnder &&
+           relation != Relation::kAbove;
+  }
+
+  std::vector<size_t> anchors_of(const RelatedTo& place) const {
+    std::set<size_t> found;
+    for (const SelectionTerm& term : place.anchors) {
+      const std::vector<size_t> some = objects_of(term);
+      found.insert(some.begin(), some.end());
+    }
+    return {found.begin(), found.end()};
+  }
+
+  /// The candidates that have the relation to any anchor, each with the nearest one.
+  std::vector<Related> related_of(const SelectionTerm& term, const std::vector<size_t>& candidates) const {
+    const std::vector<size_t> anchors = anchors_of(*term.relation);
+    std::vector<Related> found;
+    for (const size_t i : candidates) {
+      std::vector<Related> fits;
+      for (const size_t anchor : anchors) {
+        if (const auto gap = relations_.between(i, term.relation->relation, anchor)) fits.push_back({i, anchor, *gap});
+      }
+      const auto nearest =
+          std::min_element(fits.begin(), fits.end(), [](const Related& a, const Related& b) { return a.gap < b.gap; });
+      if (nearest != fits.end()) found.push_back(*nearest);
+    }
+    if (found.empty()) refuse_all(term, candidates, anchors);
+    return found;
+  }
+
+  /// Nothing fits: says where the candidates are, and which other things are there.
+  [[noreturn]] void refuse_all(const SelectionTerm& term, const std::vector<size_t>& candidates,
+                               const std::vector<size_t>& anchors) const {
+    std::vector<size_t> others;
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      const bool is_thing = is_of_group(objects_.labels(), objects_[i].label, ClassGroup::kThings);
+      const auto fits = [&](size_t anchor) {
+        return relations_.between(i, term.relation->relation, anchor).has_value();
+      };
+      if (is_thing && term.relation->relation != Relation::kNearest &&
+          std::any_of(anchors.begin(), anchors.end(), fits))
+        others.push_back(i);
+    }
+    constexpr size_t kShownPlaces = 4;
+    std::string remedy;
+    if (!others.empty()) remedy = "it fits: " + objects_.names(others) + ". ";
+    for (size_t k = 0; k < candidates.size() && k < kShownPlaces; ++k) {
+      const Related near = nearest_anchor(candidates[k], anchors);
+      remedy += (k ? ", " : "The room has ") + objects_.name(candidates[k]);
+      if (near.object != near.anchor)
+        remedy += fmt::format(" ({:.1f} m from {})", near.gap, objects_.name(near.anchor));
+    }
+    throw_bad_input({}, "--select", "no object is \"" + words(term) + "\"", remedy);
+  }
+
+  Related nearest_anchor(size_t object, const std::vector<size_t>& anchors) const {
+    Related nearest{object, object, 1e30};
+    for (const size_t anchor : anchors) {
+      if (anchor == object) continue;
+      const double gap = objects_.gap(object, anchor);
+      if (gap < nearest.gap) nearest = {object, anchor, gap};
+    }
+    return nearest;
+  }
+
+  /// "The pillows on the bed" are on one bed.
+  void require_one_anchor(const SelectionTerm& term, const std::vector<Related>& related) const {
+    std::set<size_t> used;
+    for (const Related& r : related) used.insert(r.anchor);
+    const bool is_shell = !is_of_group(objects_.labels(), objects_[*used.begin()].label, ClassGroup::kThings);
+    if (used.size() == 1 || term.relation->any_anchor || is_shell) return;
+    std::string where;
+    for (const Related& r : related)
+      where += (where.empty() ? "" : ", ") + objects_.name(r.object) + " by " + objects_.name(r.anchor);
+    const std::string relation(relation_word(term.relation->relation)), &anchor = class_name(*used.begin());
+    throw_bad_input(
+        {}, "--select", "\"" + words(term) + "\" does not tell which of these is meant: " + where,
+        "say \"" + relation + " " + objects_.name(*used.begin()) + "\", or \"" + relation + " any " + anchor + "\"");
+  }
+
+  /// The nearest one, where the next one is more than twice as far and a step farther.
+  size_t clearly_nearest(const SelectionTerm& term, std::vector<Related> related) const {
+    constexpr double kStep = 0.2;  // metres
+    std::sort(related.begin(), related.end(), [](const Related& a, const Related& b) { return a.gap < b.gap; });
+    const double limit = std::max(2 * related[0].gap, related[0].gap + kStep);
+    const bool is_clear = term.relation->relation == Relation::kNearest
+                              ? related.size() == 1 || related[1].gap > related[0].gap + 0.1 * kStep
+                              : related.size() == 1 || related[1].gap > limit;
+    if (is_clear) return related[0].object;
+    std::string gaps;
+    for (const Related& r : related)
+      gaps += fmt::format("{}{} ({:.2f} m from {})", gaps.empty() ? "" : ", ", objects_.name(r.object), r.gap,
+                          objects_.name(r.anchor));
+    throw_bad_input({}, "--select", "\"" + words(term) + "\" fits more than one object: " + gaps,
+                    "name one by its number, or say \"all\" before it");
+  }
+
+  [[noreturn]] void refuse_count(const SelectionTerm& term, const std::vector<size_t>& found) const {
+    throw_bad_input({}, "--select",
+                    fmt::format("\"{}\" means {} of them, and {} fit{}: {}", words(term),
+                                term.count == 1 ? "one" : std::to_string(term.count), found.size(),
+                                found.size() == 1 ? "s" : "", objects_.names(found)),
+                    "name them by their numbers, or say \"all\" before it");
+  }
+
+  const RoomObjects& objects_;
+  ObjectRelations relations_;
+};
+
+void find_meant(std::vector<SelectionTerm>& terms, const MeantObjects& meant) {
+  std::vector<SelectionTerm> out;
+  for (const SelectionTerm& term : terms) {
+    const std::vector<SelectionTerm> some =
+        term.asks_objects() ? meant.terms_of(term) : std::vector<SelectionTerm>{term};
+    out.insert(out.end(), some.begin(), some.end());
+  }
+  sort_terms(out);
+  terms = std::move(out);
+}
+
+}  // namespace
+
+bool asks_objects(const SelectionQuery& query) {
+  const auto asks = [](const SelectionTerm& term) { return term.asks_objects(); };
+  return std::any_of(query.include.begin(), query.include.end(), asks) ||
+         std::any_of(query.exclude.begin(), query.exclude.end(), asks);
+}
+
+SelectionQuery with_numbers(SelectionQuery query, const RoomObjects& objects) {
+  const MeantObjects meant(objects);
+  find_meant(query.include, meant);
+  find_meant(query.exclude, meant);
+  return query;
+}
+
+}  // namespace aligngs

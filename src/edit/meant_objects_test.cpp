@@ -1,0 +1,116 @@
+#include "edit/meant_objects.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "edit/relation/bedroom_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MeantObjectsTest : public small_room::BedroomOfBoxes {
+ protected:
+  /// Message and remedy.
+  std::string refusal(const std::string& text) const {
+    try {
+      ADD_FAILURE() << text << " means " << meant(text);
+    } catch (const Error& error) {
+      return error.details().message + " | " + error.details().remedy;
+    }
+    return "";
+  }
+};
+
+TEST_F(MeantObjectsTest, OneThingOnAnother) {
+  EXPECT_EQ(meant("the pillow on bed#1"), "pillow#1");
+  EXPECT_EQ(meant("the lamp on the chest of drawers"), "lamp#1");
+  EXPECT_EQ(meant("lamp standing on top of the dresser"), "lamp#1");
+}
+
+TEST_F(MeantObjectsTest, OneIsNotGuessedAmongSeveral) {
+  EXPECT_THAT(refusal("the pillow on bed#2"), AllOf(HasSubstr("pillow#2, pillow#3"), HasSubstr("all")));
+}
+
+TEST_F(MeantObjectsTest, TheBedIsNotGuessedAmongSeveral) {
+  EXPECT_THAT(refusal("the pillows on the bed"),
+              AllOf(HasSubstr("pillow#1 by bed#1"), HasSubstr("pillow#3 by bed#2"), HasSubstr("on bed#1")));
+  EXPECT_EQ(meant("the pillows on the beds"), "pillow#1-3");
+}
+
+TEST_F(MeantObjectsTest, AllOfThem) {
+  EXPECT_EQ(meant("the pillows on bed#2"), "pillow#2, pillow#3");
+  EXPECT_EQ(meant("every pillow on any bed"), "pillow#1-3");
+  EXPECT_EQ(meant("all pillows on the right bed"), "pillow#2, pillow#3");
+}
+
+TEST_F(MeantObjectsTest, CountsAreChecked) {
+  EXPECT_EQ(meant("both pillows on bed#2"), "pillow#2, pillow#3");
+  EXPECT_EQ(meant("both lamps"), "lamp#1, lamp#2");
+  EXPECT_EQ(meant("the three pillows"), "pillow#1-3");
+  EXPECT_THAT(refusal("both pillows"), HasSubstr("means 2 of them, and 3 fit: pillow#1, pillow#2, pillow#3"));
+}
+
+TEST_F(MeantObjectsTest, EverythingOnSomething) {
+  EXPECT_EQ(meant("everything on bed#2"), "pillow#2, pillow#3");
+  EXPECT_EQ(meant("all that is on the dresser"), "lamp#1");
+  EXPECT_EQ(meant("the things on bed#2 but pillow#3"), "pillow#2, pillow#3 but pillow#3");
+}
+
+TEST_F(MeantObjectsTest, AGroupIsItsClasses) {
+  EXPECT_EQ(meant("all furniture"), "bed, chair, chest of drawers");
+  EXPECT_EQ(meant("the furniture next to the wall"), "bed#1, bed#2, chest of drawers#1");
+  EXPECT_EQ(meant("all furniture but the beds"), "bed, chair, chest of drawers but bed");
+}
+
+TEST_F(MeantObjectsTest, NextToTakesTheClearlyNearestOne) {
+  EXPECT_EQ(meant("the lamp next to the chair"), "lamp#2");
+  EXPECT_EQ(meant("the chair beside lamp#2"), "chair#1");
+  EXPECT_EQ(meant("the bed nearest to chair#2"), "bed#2");
+  EXPECT_THAT(refusal("the bed next to the chest"), AllOf(HasSubstr("bed#1 (0.2"), HasSubstr("bed#2 (0.2")));
+}
+
+TEST_F(MeantObjectsTest, AboveAndUnder) {
+  EXPECT_EQ(meant("the painting above the bed"), "painting#1");
+  EXPECT_EQ(meant("the rug under bed#2"), "rug#1");
+  EXPECT_EQ(meant("the bed under the painting"), "bed#1");
+}
+
+TEST_F(MeantObjectsTest, WallsAndFloor) {
+  EXPECT_EQ(meant("everything on the wall"), "painting#1");
+  EXPECT_EQ(meant("all lamps on the floor"), "lamp#2");
+}
+
+TEST_F(MeantObjectsTest, SidesAreThoseOfTheCameras) {
+  EXPECT_EQ(meant("the bed to the left of the chest of drawers"), "bed#1");
+  EXPECT_EQ(meant("the bed right of the chest of drawers"), "bed#2");
+  EXPECT_EQ(meant("the chair in front of bed#2"), "chair#2");
+  EXPECT_EQ(meant("the bed behind chair#2"), "bed#2");
+}
+
+TEST_F(MeantObjectsTest, SizesOfThoseInAPlace) {
+  EXPECT_EQ(meant("the tallest lamp"), "lamp#2");
+  EXPECT_EQ(meant("the shortest lamp"), "lamp#1");
+  EXPECT_EQ(meant("the widest chair"), "chair#2");
+  EXPECT_EQ(meant("the left pillow on bed#2"), "pillow#2");
+  EXPECT_EQ(meant("the pillow on bed#2 on the right"), "pillow#3");
+  EXPECT_EQ(meant("the biggest thing on the bed nearest to chair#1"), "pillow#1");
+}
+
+TEST_F(MeantObjectsTest, NothingFits) {
+  EXPECT_THAT(refusal("the lamp on bed#1"), AllOf(HasSubstr("no object is \"lamp on bed#1\""),
+                                                  HasSubstr("it fits: pillow#1"), HasSubstr("lamp#1 (")));
+  EXPECT_THAT(refusal("the sofa on the bed"), AllOf(HasSubstr("sofa"), HasSubstr("it holds: wall#1")));
+  EXPECT_THAT(refusal("the pillow on the sofa"), AllOf(HasSubstr("no object that is \"sofa\""), HasSubstr("it holds")));
+}
+
+TEST_F(MeantObjectsTest, WithoutAnUpDirectionGapsStillCount) {
+  viewpoint_ = {};
+  EXPECT_EQ(meant("the lamp next to chair#1"), "lamp#2");
+  EXPECT_THAT(refusal("the pillow on the bed"), HasSubstr("which way is up"));
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,30 @@
+// Words for many classes at once: "furniture", "seating", "everything" on a table.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "scene/label_set.h"
+
+namespace aligngs {
+
+enum class ClassGroup { kNone, kThings, kFurniture, kSeating };
+
+/// A word for a group, as a person says it.
+struct GroupWord {
+  ClassGroup group = ClassGroup::kNone;
+  bool one = false;          ///< "the thing on the table", "a piece of furniture": one object is meant
+  bool needs_place = false;  ///< "everything" by itself is the whole room
+};
+
+/// "furniture", "things", "everything"; articles and case do not matter. Nothing for other words.
+std::optional<GroupWord> find_group(std::string_view words);
+
+/// "furniture", "seating" or "things".
+std::string_view group_name(ClassGroup group);
+
+/// Whether a class is of the group. Things are all classes but walls, floor and ceiling.
+bool is_of_group(const LabelSet& labels, int label, ClassGroup group);
+
+}  // namespace aligngs

@@ -1,0 +1,119 @@
+#include "edit/relation/object_relations.h"
+
+#include <algorithm>
+
+#include "edit/contents.h"
+#include "edit/fill/carrying_classes.h"
+
+namespace aligngs {
+namespace {
+
+/// Share of an object's places whose footprint another box holds.
+double share_over(const RoomObjects& objects, size_t a, const ObjectBox& box, double margin) {
+  const std::vector<Vec3f>& places = objects.places(a);
+  const auto inside = std::count_if(places.begin(), places.end(), [&](const Vec3f& p) {
+    return box.footprint.holds(objects.axes().on_floor(p.cast<double>()), margin);
+  });
+  return static_cast<double>(inside) / static_cast<double>(std::max<size_t>(1, places.size()));
+}
+
+}  // namespace
+
+const std::set<size_t>& ObjectRelations::contents(const std::vector<size_t>& carriers) const {
+  const auto [it, fresh] = contents_.emplace(carriers, std::set<size_t>());
+  if (!fresh) return it->second;
+  std::vector<uint8_t> selected(objects_.room().model.size(), 0);
+  for (const size_t c : carriers) {
+    for (const uint32_t row : objects_.rows(c)) selected[row] = 1;
+  }
+  const Vec3d up = up_of_viewer(objects_.viewpoint());
+  for (const Instance& found : contents_of(objects_.room(), selected, objects_.labels(), up)) {
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      if (objects_[i].label == found.label && objects_[i].number == found.number) it->second.insert(i);
+    }
+  }
+  return it->second;
+}
+
+bool ObjectRelations::is_carried(size_t a) const {
+  const std::vector<CarryingClass> classes = carrying_classes(objects_.labels());
+  std::vector<size_t> furniture;
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (classes[static_cast<size_t>(objects_[i].label)].furniture) furniture.push_back(i);
+  }
+  return contents(furniture).count(a) > 0;
+}
+
+bool ObjectRelations::is_on_shell(size_t a, size_t b) const {
+  const std::vector<CarryingClass> classes = carrying_classes(objects_.labels());
+  const auto shell = [&](size_t i) { return classes[static_cast<size_t>(objects_[i].label)].shell; };
+  if (shell(a) != PlaneKind::kNone || is_carried(a)) return false;
+  double floor = 1e300;  // its height
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (shell(i) == PlaneKind::kFloor) floor = std::min(floor, objects_.box(i).middle_height());
+  }
+  const bool stands = floor < 1e300 && objects_.box(a).low - floor < limits_.touch * objects_.metre();
+  return shell(b) == PlaneKind::kFloor ? stands : !stands && objects_.gap(a, b) < limits_.touch;
+}
+
+bool ObjectRelations::is_on(size_t a, size_t b) const {
+  const CarryingClass kind = carrying_classes(objects_.labels())[static_cast<size_t>(objects_[b].label)];
+  if (kind.shell != PlaneKind::kNone) return is_on_shell(a, b);
+  return contents({b}).count(a) > 0;
+}
+
+bool ObjectRelations::is_in(size_t a, size_t b) const {
+  const ObjectBox &inner = objects_.box(a), &outer = objects_.box(b);
+  const double margin = limits_.inside * objects_.metre();
+  return inner.low >= outer.low - margin && inner.high <= outer.high + margin &&
+         share_over(objects_, a, outer, margin) > limits_.share;
+}
+
+bool ObjectRelations::is_above(size_t a, size_t b) const {
+  up_of_viewer(objects_.viewpoint());  // refuses where it is not known
+  const ObjectBox &upper = objects_.box(a), &lower = objects_.box(b);
+  if (lower.high > upper.middle_height() || lower.high > upper.high) return false;
+  // A lamp on the floor beside a bed is not above it.
+  const bool is_over = upper.low >= lower.middle_height();
+  const double margin = (is_over ? limits_.around : limits_.inside) * objects_.metre();
+  return std::max(share_over(objects_, a, lower, margin), share_over(objects_, b, upper, margin)) >= limits_.share;
+}
+
+bool ObjectRelations::is_beside(size_t a, Relation relation, size_t b) const {
+  const Vec3d middle = objects_[b].centre.cast<double>(), right = right_of_viewer(objects_.viewpoint(), middle);
+  const bool sideways = relation == Relation::kLeftOf || relation == Relation::kRightOf;
+  Vec3d direction = sideways ? right : cross(right, objects_.axes().up);  // to the right, or to the cameras
+  if (relation == Relation::kLeftOf || relation == Relation::kBehind) direction = -direction;
+  double end = -1e300;  // of b in that direction
+  for (const Vec3f& p : objects_.places(b)) end = std::max(end, dot(direction, p.cast<double>()));
+  return dot(direction, objects_[a].centre.cast<double>()) > end && objects_.gap(a, b) < limits_.beside;
+}
+
+std::optional<double> ObjectRelations::between(size_t a, Relation relation, size_t b) const {
+  if (a == b) return std::nullopt;
+  const auto where = [&](bool holds) { return holds ? std::optional<double>(objects_.gap(a, b)) : std::nullopt; };
+  const auto within = [&](double most) {
+    const double gap = objects_.gap(a, b);
+    return gap <= most ? std::optional<double>(gap) : std::nullopt;
+  };
+  switch (relation) {
+    case Relation::kOn:
+      return where(is_on(a, b));
+    case Relation::kIn:
+      return where(is_in(a, b) || is_on(a, b));
+    case Relation::kUnder:
+      return where(is_above(b, a));
+    case Relation::kAbove:
+      return where(is_above(a, b));
+    case Relation::kNextTo:
+      return within(limits_.next_to);
+    case Relation::kNear:
+      return within(limits_.near);
+    case Relation::kNearest:
+      return objects_.gap(a, b);
+    default:
+      return where(is_beside(a, relation, b));
+  }
+}
+
+}  // namespace aligngs

@@ -1,0 +1,49 @@
+// Whether one object of a room is on, under, near or beside another one.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "edit/relation/relation_words.h"
+#include "edit/relation/room_objects.h"
+
+namespace aligngs {
+
+/// Lengths are metres. A room without a scale counts a third of its extent as a metre.
+struct RelationLimits {
+  double next_to = 0.5;  ///< gap up to which a thing is next to another
+  double near = 1;       ///< and up to which it is near
+  double beside = 2;     ///< gap up to which a thing is left of, right of, behind or in front of another
+  double touch = 0.1;    ///< gap up to which a thing is on a wall or on the floor
+  double around = 0.25;  ///< by which a footprint is widened for things that hang above it
+  double inside = 0.05;  ///< by which a box is widened for things in it, or under it
+  double share = 0.5;    ///< of the smaller footprint that lies over or under the other one
+};
+
+class ObjectRelations {
+ public:
+  /// `objects` outlives this.
+  explicit ObjectRelations(const RoomObjects& objects, const RelationLimits& limits = {})
+      : objects_(objects), limits_(limits) {}
+
+  /// The gap in metres where object `a` has the relation to object `b`, else nothing. Error{kBadInput} where the
+  /// relation needs a direction that the room does not tell.
+  std::optional<double> between(size_t a, Relation relation, size_t b) const;
+
+ private:
+  bool is_on(size_t a, size_t b) const;
+  bool is_on_shell(size_t a, size_t b) const;
+  bool is_in(size_t a, size_t b) const;
+  bool is_above(size_t a, size_t b) const;
+  bool is_beside(size_t a, Relation relation, size_t b) const;
+  bool is_carried(size_t a) const;  ///< by furniture
+  const std::set<size_t>& contents(const std::vector<size_t>& carriers) const;
+
+  const RoomObjects& objects_;
+  RelationLimits limits_;
+  mutable std::map<std::vector<size_t>, std::set<size_t>> contents_;  ///< of carriers that were asked for
+};
+
+}  // namespace aligngs

@@ -1,0 +1,180 @@
+#include "edit/selection_item.h"
+
+#include <utility>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kMostNumbers = 1000;  // objects of one range
+constexpr int kDeepest = 3;         // "the lamp on the table near the window" has two
+
+/// "pillow 2" and "pillows 1 to 3" for "pillow#2" and "pillow#1-3": the numbers, where the words before them are a name.
+std::string_view take_spoken_number(std::string_view& item, const Vocabulary& vocabulary) {
+  for (size_t blank = item.find_first_of(" \t"); blank != std::string_view::npos;
+       blank = item.find_first_of(" \t", blank + 1)) {
+    const std::string_view name = trimmed(item.substr(0, blank)), numbers = trimmed(item.substr(blank));
+    if (object_numbers(numbers).first == 0 || !vocabulary.find(name)) continue;
+    item = name;
+    return numbers;
+  }
+  return {};
+}
+
+/// "2" after "pillows 1", and "#2" after any name, are of that name.
+bool continues(const std::vector<SelectionTerm>& terms, std::string_view name, std::string_view numbers) {
+  if (terms.empty() || terms.back().label < 0 || terms.back().relation) return false;
+  return name.empty() || (numbers.empty() && terms.back().instance > 0 && object_numbers(name).first > 0);
+}
+
+/// "Both pillows" and "the three chairs": takes the count where a plural follows.
+void take_meant_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
+  std::string_view rest = item;
+  const int count = take_count(rest);
+  std::string_view name = rest;
+  if (!vocabulary.find(name)) take_choice(name);
+  if (count == 0 || !vocabulary.is_plural(name)) return;
+  item = rest;
+  term.count = count;
+}
+
+[[noreturn]] void refuse_other(std::string_view name) {
+  const std::string text(name);
+  throw_usage("\"other\" does not tell which objects stay: say \"every " + text + " but " + text + "#1\"");
+}
+
+void refuse_number(std::string_view whole) {
+  throw_usage("\"" + std::string(whole) + "\" has no object number after '#'",
+              "objects are numbered from 1: \"pillow#2\" or \"pillow#1-3\"");
+}
+
+/// Adds the terms of an item. Its place is read elsewhere.
+void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_place,
+                 std::vector<SelectionTerm>& terms) {
+  SelectionTerm term;
+  const std::string_view whole = item;
+  if (!vocabulary.find(item)) {
+    take_meant_count(item, vocabulary, term);
+    item = without_quantifier(item);
+  }
+  if (!vocabulary.find(item)) term.choice = take_place(item);
+  if (!vocabulary.find(item) && term.choice == ObjectChoice::kNone) term.choice = take_choice(item);
+  if (term.count > 0 && term.choice != ObjectChoice::kNone)
+    throw_usage("\"" + choice_word(term.choice) + "\" means one object", "leave out the number, or the word for it");
+  if (!vocabulary.find(item)) {
+    if (const auto group = find_group(item); group && (has_place || !group->needs_place)) {
+      term.label = -1;
+      term.group = group->group;
+      if (group->one && term.choice == ObjectChoice::kNone) term.count = 1;
+      terms.push_back(term);
+      return;
+    }
+  }
+  const int ordinal = vocabulary.find(item) || term.choice != ObjectChoice::kNone ? 0 : take_ordinal(item);
+  if (ordinal > 0) {
+    term.label = vocabulary.resolve(item);
+    term.instance = ordinal;
+    terms.push_back(term);
+    return;
+  }
+  const size_t hash = item.find('#');
+  std::string_view numbers;
+  if (hash != std::string_view::npos) {
+    numbers = trimmed(item.substr(hash + 1));
+    item = trimmed(item.substr(0, hash));
+  } else if (!vocabulary.find(item)) {
+    numbers = take_spoken_number(item, vocabulary);
+  }
+  if (!vocabulary.find(item) && continues(terms, item, numbers)) {
+    term.label = terms.back().label;
+    if (!item.empty()) numbers = item;
+  } else {
+    constexpr std::string_view kOther = "other ";
+    const std::string name = without_article(folded_name(item));
+    if (name.starts_with(kOther) && vocabulary.find(name.substr(kOther.size())))
+      refuse_other(name.substr(kOther.size()));
+    term.label = vocabulary.resolve(item);
+  }
+  if (hash == std::string_view::npos && numbers.empty()) {
+    terms.push_back(term);
+    return;
+  }
+  const auto [first, last] = object_numbers(numbers);
+  if (first == 0 || last - first >= kMostNumbers || term.choice != ObjectChoice::kNone) refuse_number(whole);
+  for (term.instance = first; term.instance <= last; ++term.instance) terms.push_back(term);
+}
+
+void parse_related(std::string_view item, const Vocabulary& vocabulary, int depth, std::vector<SelectionTerm>& terms);
+
+/// The place of a term, from its words: "on the largest bed".
+std::shared_ptr<const RelatedTo> place_of(std::string_view place, const Vocabulary& vocabulary, int depth) {
+  const auto found = find_relation(place, true);
+  RelatedTo related;
+  related.relation = found->relation;
+  std::string_view anchor = trimmed(place.substr(found->length));
+  parse_related(anchor, vocabulary, depth + 1, related.anchors);
+  for (SelectionTerm& term : related.anchors) {
+    if (!term.named.empty())
+      throw_usage("a selection by hand has no place that others are " + std::string(relation_word(related.relation)),
+                  "name an object by its class");
+    related.any_anchor |= term.group != ClassGroup::kNone || term.count > 1;
+    if (!term.relation && term.count == 1) term.count = 0;  // any bed that a pillow is on
+  }
+  const auto inner = related_item(anchor, vocabulary);
+  std::string_view name = inner ? inner->target : anchor;
+  related.any_anchor |= begins_with_quantifier(name) || vocabulary.is_plural(name) || related.anchors.size() > 1;
+  return std::make_shared<const RelatedTo>(std::move(related));
+}
+
+void parse_related(std::string_view item, const Vocabulary& vocabulary, int depth, std::vector<SelectionTerm>& terms) {
+  const auto related = related_item(item, vocabulary);
+  if (!related) return parse_plain(item, vocabulary, false, terms);
+  if (depth >= kDeepest) throw_usage("a selection tells more than three places", "say it in fewer words");
+  const size_t first = terms.size();
+  parse_plain(related->target, vocabulary, true, terms);
+  const auto place = place_of(related->place, vocabulary, depth);
+  std::string_view name = related->target;
+  const bool all = begins_with_quantifier(name);
+  name = without_quantifier(name);
+  take_choice(name);
+  for (size_t i = first; i < terms.size(); ++i) {
+    SelectionTerm& term = terms[i];
+    const bool is_one = !all && !vocabulary.is_plural(name) && term.group == ClassGroup::kNone;
+    term.relation = place;
+    if (term.choice == ObjectChoice::kNone) term.choice = related->side;
+    if (is_one && term.choice == ObjectChoice::kNone && term.instance == 0 && term.count == 0) term.count = 1;
+  }
+  std::string_view counted = related->target;
+  if (terms.size() == first + 1 && terms[first].instance > 0 && take_ordinal(counted) > 0) {
+    throw_usage("\"" + std::string(related->target) + "\" counts the objects of the whole room",
+                "leave out the place, or say which by size or side, such as \"the largest\"");
+  }
+}
+
+}  // namespace
+
+std::optional<RelatedItem> related_item(std::string_view item, const Vocabulary& vocabulary) {
+  item = trimmed(item);
+  if (vocabulary.find(item) || vocabulary.find_selection(item)) return std::nullopt;
+  RelatedItem related;
+  related.side = take_place(item);
+  const auto found = find_relation(item);
+  if (!found) return std::nullopt;
+  related.target = without_filler(item.substr(0, found->at));
+  related.place = trimmed(item.substr(found->at));
+  return related;
+}
+
+void parse_item_terms(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms) {
+  if (const auto named = vocabulary.find_selection(item)) {
+    SelectionTerm term;
+    term.label = -1;
+    term.named = *named;
+    terms.push_back(term);
+    return;
+  }
+  parse_related(item, vocabulary, 0, terms);
+}
+
+}  // namespace aligngs

@@ -1,0 +1,105 @@
+#include "edit/selection_item.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "edit/selection_text.h"
+
+namespace aligngs {
+namespace {
+
+using testing::HasSubstr;
+
+const Vocabulary& ade20k_words() {
+  static const Vocabulary vocabulary(ade20k_labels());
+  return vocabulary;
+}
+
+/// As messages say it, before any object is found.
+std::string understood(const std::string& text) {
+  return selection_text(parse_selection(text, ade20k_words()), ade20k_labels());
+}
+
+std::string usage_error(const std::string& text) {
+  try {
+    ADD_FAILURE() << "accepted: " << understood(text);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    return error.details().message + " | " + error.details().remedy;
+  }
+  return "";
+}
+
+TEST(SelectionItem, AThingWithAPlaceIsOne) {
+  for (const char* text : {"the pillow on the bed", "pillow on bed", "my pillow that is on top of the bed",
+                           "the pillow lying on the bed", "Pillow ON the bed"})
+    EXPECT_EQ(understood(text), "pillow on bed") << text;
+}
+
+TEST(SelectionItem, PluralsAndQuantifiersAreAny) {
+  for (const char* text : {"pillows on the bed", "the pillows on the bed", "all pillows on the bed",
+                           "every pillow on the bed", "any pillow on the bed"})
+    EXPECT_EQ(understood(text), "all pillow on bed") << text;
+}
+
+TEST(SelectionItem, CountsAreKept) {
+  EXPECT_EQ(understood("both pillows on the bed"), "2 x pillow on bed");
+  EXPECT_EQ(understood("the three chairs"), "3 x chair");
+  EXPECT_EQ(understood("both the bed and the lamp"), "bed, lamp");
+}
+
+TEST(SelectionItem, WordsOfOneRelation) {
+  for (const char* text : {"lamp next to the sofa", "lamp beside the sofa", "lamp by the sofa", "lamp at the sofa"})
+    EXPECT_EQ(understood(text), "lamp next to sofa") << text;
+  for (const char* text : {"chair near the window", "chair close to the window"})
+    EXPECT_EQ(understood(text), "chair near windowpane") << text;
+  EXPECT_EQ(understood("chair to the left of the bed"), "chair left of bed");
+  EXPECT_EQ(understood("chair on the right side of the bed"), "chair right of bed");
+  EXPECT_EQ(understood("rug underneath the table"), "rug under table");
+  EXPECT_EQ(understood("the chair closest to the door"), "chair nearest to door");
+}
+
+TEST(SelectionItem, SidesAreNoPlaces) {
+  EXPECT_EQ(understood("the pillow on the left"), "left pillow");
+  EXPECT_EQ(understood("the chair to the right"), "right chair");
+  EXPECT_EQ(understood("the pillow on the left bed"), "pillow on left bed");
+  EXPECT_EQ(understood("the pillow on the bed on the left side"), "left pillow on bed");
+}
+
+TEST(SelectionItem, GroupsOfClasses) {
+  EXPECT_EQ(understood("all furniture"), "furniture");
+  EXPECT_EQ(understood("everything on the table"), "all things on table");
+  EXPECT_EQ(understood("what is on the table"), "all things on table");
+  EXPECT_EQ(understood("the largest piece of furniture"), "largest furniture");
+  EXPECT_EQ(understood("the thing on the table"), "things on table");
+}
+
+TEST(SelectionItem, PlacesNest) {
+  EXPECT_EQ(understood("the lamp on the table near the window"), "lamp on table near windowpane");
+  EXPECT_THAT(usage_error("a lamp on a table near a bed by a door under a window"), HasSubstr("three places"));
+}
+
+TEST(SelectionItem, ListsAndExceptions) {
+  EXPECT_EQ(understood("the pillow on the bed, the lamp"), "lamp, pillow on bed");
+  EXPECT_EQ(understood("everything on the table but the lamp"), "all things on table but lamp");
+  EXPECT_THAT(understood("the books on the table and on the bed"),
+              testing::AllOf(HasSubstr("all book on table"), HasSubstr("all book on bed")));
+}
+
+TEST(SelectionItem, AConjunctionAfterAPlaceHasTwoReadings) {
+  EXPECT_THAT(usage_error("the pillows on the bed and the sofa"),
+              testing::AllOf(HasSubstr("two readings"), HasSubstr("\"the pillows on the bed, the sofa\"")));
+}
+
+TEST(SelectionItem, WhatIsUnclearIsRefused) {
+  EXPECT_THAT(usage_error("the pilow on the bed"), HasSubstr("did you mean \"pillow\""));
+  EXPECT_THAT(usage_error("the pillow on the bedd"), HasSubstr("did you mean \"bed\""));
+  EXPECT_THAT(usage_error("the other chair"), HasSubstr("every chair but chair#1"));
+  EXPECT_THAT(usage_error("the second pillow on the bed"), HasSubstr("whole room"));
+  EXPECT_THAT(usage_error("both largest chairs"), HasSubstr("one object"));
+  for (const char* text : {"on the bed", "the pillow on", "everything but everything", "the pillow on the"})
+    usage_error(text);
+}
+
+}  // namespace
+}  // namespace aligngs
