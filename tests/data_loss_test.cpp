@@ -81,6 +81,9 @@ TEST_F(DataLoss, NoCommandWritesIntoItsSource) {
     expect_refused("run " + quoted(data()) + " -n 1 -o " + quoted(output));
   }
   expect_refused("poses " + quoted(data() / "images") + " --method given -o " + quoted(data() / "images" / "new"));
+  expect_refused("poses " + quoted(data() / "images") + " --method given -o " + quoted(data() / "sparse" / "new"),
+                 "data set");
+  expect_refused("train " + quoted(root_ / "made") + " -n 1 -o " + quoted(data() / "images" / "new"), "data set");
   expect_refused("priors " + quoted(data()), "-o OUT");
 }
 
@@ -150,6 +153,7 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
         "edit " + quoted(run) + " --select wall --delete --dry-run --picture " +
             quoted(data() / "images" / "view_000.png"),
         "export " + quoted(run) + " -f ply -o " + quoted(data() / "sparse" / "points3D.ply"),
+        "export " + quoted(run) + " -f ply -o " + quoted(data() / "database.db"),
         "export " + quoted(run) + " -f ply -o " + quoted(root_ / "other" / "scene.ply"),
         "mesh " + quoted(run) + " -o " + quoted(root_ / "other" / "scene.ply"),
         "compare " + quoted(run) + " --csv " + quoted(root_ / "rooms.tsv")}) {

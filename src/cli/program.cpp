@@ -144,6 +144,7 @@ int run_program(int argc, char** argv) {
     std::fputs(kStart, stderr);
     return kUsageStatus;
   }
+  install_stop_handlers();  // before the options of all commands are set up, which takes milliseconds
   CommandContext context;
   context.command_line = join(argc, argv);
   CLI::App program(
@@ -172,7 +173,6 @@ int run_program(int argc, char** argv) {
     add(program, context);
   }
 
-  install_stop_handlers();
   try {
     program.parse(argc, argv);
     return finish_output(0);

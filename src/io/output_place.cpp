@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 #include "core/letter_case.h"
@@ -21,6 +23,27 @@ constexpr std::array<std::string_view, 48> kKnownExtensions = {
     ".stl", ".fbx",  ".html", ".htm", ".csv",  ".json", ".png",   ".jpg",    ".jpeg", ".zip",  ".svg",  ".dxf",
     ".pdf", ".dae",  ".3ds",  ".xyz", ".pcd",  ".las",  ".laz",   ".e57",    ".mp4",  ".mov",  ".mkv",  ".webm",
     ".gif", ".webp", ".heic", ".tif", ".tiff", ".bmp",  ".tsv",   ".txt",    ".toml", ".bin",  ".npz",  ".npy"};
+
+/// How files of a format begin; formats without such a mark are not listed.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kBeginnings = {{{".ply", "ply"},
+                                                                                       {".glb", "glTF"},
+                                                                                       {".sog", "PK"},
+                                                                                       {".usdz", "PK"},
+                                                                                       {".spz", "\x1f\x8b"},
+                                                                                       {".usda", "#usda"},
+                                                                                       {".html", "<!"},
+                                                                                       {".pdf", "%PDF"},
+                                                                                       {".png", "\x89PNG"}}};
+
+/// Whether a file may be an earlier output of the format, under a name without its extension.
+bool begins_as(const fs::path& file, const std::string& extension) {
+  const auto known = std::find_if(kBeginnings.begin(), kBeginnings.end(),
+                                  [&](const auto& beginning) { return beginning.first == extension; });
+  if (known == kBeginnings.end()) return false;
+  std::string begin(known->second.size(), '\0');
+  std::ifstream in(file, std::ios::binary);
+  return in.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == known->second;
+}
 
 }  // namespace
 
@@ -77,7 +100,12 @@ void require_extension(const fs::path& file, const std::string& format) {
                  file, "output", "choose another name, or ask for -f " + std::string(longer)});
   }
   if (has == wanted || (wanted == ".html" && has == ".htm")) return;
-  if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), has) == kKnownExtensions.end()) return;
+  if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), has) == kKnownExtensions.end()) {
+    std::error_code error;
+    if (!fs::is_regular_file(file, error) || begins_as(file, wanted)) return;
+    throw Error({ErrorKind::kUsage, "a file of another kind is there: it is never replaced", file, "output",
+                 "name a file that ends in " + wanted});
+  }
   throw Error({ErrorKind::kUsage, "the name says " + has.substr(1) + ", but " + wanted.substr(1) + " would be written",
                file, "output", "name a file that ends in " + wanted + ", or ask for the other format"});
 }

@@ -126,5 +126,15 @@ TEST_F(OutputPlace, TheNameOfAnotherKindOfFileIsRefused) {
   for (const char* fine : {"rooms.csv", "rooms", "rooms.v2"}) EXPECT_NO_THROW(require_extension(fine, "csv")) << fine;
 }
 
+TEST_F(OutputPlace, AFileOfAnotherKindIsNeverReplaced) {
+  for (const char* mine : {"database.db", "LICENSE", "notes.md"}) {
+    write_file_atomically(base_ / mine, "of the user");
+    EXPECT_THROW(require_extension(base_ / mine, "ply"), Error) << mine;
+    EXPECT_THROW(require_extension(base_ / mine, "splat"), Error) << mine;
+  }
+  write_file_atomically(base_ / "room", "ply\nformat");
+  EXPECT_NO_THROW(require_extension(base_ / "room", "labels.ply")) << "an earlier export";
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -124,21 +124,22 @@ std::vector<Vec3f> points_where_truth_is(const std::vector<Vec3f>& points, const
 
 VisibleSamples visible_samples(const SurfaceSamples& samples, const RayScene& rays, const VisibilityTest& test,
                                ThreadPool& pool) {
-  const auto& [cameras, truth, options] = test;
+  const std::vector<Camera>& cameras = test.cameras;
+  const TruthView* const truth = test.truth;
   std::vector<Vec3d> eyes;
   for (const Camera& c : cameras) eyes.push_back(c.centre());
-  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&, &cameras = cameras, &truth = truth, &options = options](const Vec3f& p) {
+  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p) {
     const Vec3d point = p.cast<double>();
     size_t seen = 0, missing = 0;
     for (size_t c = 0; c < cameras.size(); ++c) {
       if (!project_into_image(cameras[c], point)) continue;
-      if (!rays.sees(eyes[c], point, options.occlusion_tolerance)) continue;
+      if (!rays.sees(eyes[c], point, test.options.occlusion_tolerance)) continue;
       if (!truth) return true;
       ++seen;
       const auto uv = project_into_image(truth->cameras[c], point);
       missing += !uv || !truth_hit_at(truth->hit[c], *uv);
     }
-    return seen > 0 && static_cast<double>(missing) <= options.max_missing_truth * static_cast<double>(seen);
+    return seen > 0 && static_cast<double>(missing) <= test.options.max_missing_truth * static_cast<double>(seen);
   });
   VisibleSamples visible;
   visible.points = select(samples, keep);

@@ -20,7 +20,7 @@ std::vector<Camera> ray_cameras(const std::vector<Camera>& cameras, int columns)
 /// Truth culled to first hits, and per camera the pixels where it is hit.
 struct TruthView {
   TriangleMesh culled;
-  std::vector<Camera> cameras;       ///< at ray resolution
+  std::vector<Camera> cameras;      ///< at ray resolution
   std::vector<Image<uint8_t>> hit;  ///< one per camera, 1 where the truth is hit
 };
 

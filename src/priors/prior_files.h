@@ -11,9 +11,9 @@
 #include "io/folder_replacement.h"
 #include "priors/model_store.h"
 #include "priors/network_memory.h"
-#include "scene/segment_file.h"
 #include "scene/scene.h"
 #include "scene/scene_json.h"
+#include "scene/segment_file.h"
 
 namespace aligngs {
 

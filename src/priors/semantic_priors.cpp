@@ -13,23 +13,23 @@
 
 namespace aligngs {
 
-ScenePriorsReport fill_semantics(const std::filesystem::path& folder, const ModelStore& store, const PublishedModel& model,
-                                 const ScenePriorsOptions& options) {
+ScenePriorsReport fill_semantics(const std::filesystem::path& folder, const ModelStore& store,
+                                 const PublishedModel& model, const ScenePriorsOptions& options) {
   const Scene scene = open_scene(folder);
   PriorsJson notes = read_priors_json(folder / "priors.json");
   ScenePriorsReport report;
   report.model = model.name;
   report.makes_segments = makes_segments(model);
   const bool complete = !report.makes_segments || has_segments(scene);
-  if (standing_of_prior(
-          scene, {"semantics", &View::semantics, notes.semantics, model.name, options.overwrite, complete}) ==
-      PriorStanding::kKeep) {
+  if (standing_of_prior(scene, {"semantics", &View::semantics, notes.semantics, model.name, options.overwrite,
+                                complete}) == PriorStanding::kKeep) {
     report.was_there = true;
     return report;
   }
   ThreadPool pool(options.threads);
   MemoryBudget budget(options.memory_limit);
-  add_semantic_memory(budget, store, model, options.augment, sizes_of_training_photos(scene), {options.precision, pool.size()});
+  add_semantic_memory(budget, store, model, options.augment, sizes_of_training_photos(scene),
+                      {options.precision, pool.size()});
   budget.require(model.name, model.name == "ade20k-linear-s"
                                  ? "give it more memory with --memory, or leave classes out: --semantics none"
                                  : "use a light network (--semantics linear-s), or more memory with --memory");

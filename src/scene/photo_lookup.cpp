@@ -8,6 +8,7 @@
 #include "io/unicode_letters.h"
 #include "scene/photo_mask.h"
 #include "scene/photo_places.h"
+#include "scene/view_names.h"
 
 namespace aligngs {
 
@@ -94,7 +95,8 @@ PhotoLookup::Answer PhotoLookup::find(const std::string& given) const {
     Answer answer = by_ending(name, any_spelling);
     if (decided(answer)) return answer;
   }
-  return {{}, kMissing};
+  const std::string decoded = percent_decoded(name);  // after all rules for the name as it is written
+  return decoded.empty() ? Answer{{}, kMissing} : find(decoded);
 }
 
 bool PhotoLookup::is_ambiguous(const Answer& answer) { return answer.problem.rfind(kSeveral, 0) == 0; }

@@ -102,5 +102,13 @@ TEST_F(PhotoLookupTest, MasksAreNoPhotos) {
   EXPECT_EQ(found("a.jpg"), "input/a.jpg");
 }
 
+TEST_F(PhotoLookupTest, NamesOfWebAddressesAreFound) {
+  file("images/my K\u00fcche.jpg");
+  EXPECT_EQ(found("images/my%20K%C3%BCche.jpg"), "images/my K\u00fcche.jpg");
+  EXPECT_EQ(found("file:///C:/capture/images/my%20K%c3%bcche.jpg"), "images/my K\u00fcche.jpg");
+  file("images/50%20.jpg");
+  EXPECT_EQ(found("50%20.jpg"), "images/50%20.jpg");  // the name as written goes first
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -1,5 +1,6 @@
 #include "scene/photo_mask.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -28,15 +29,32 @@ fs::path mask_at(const fs::path& masks, const fs::path& relative) {
   return {};
 }
 
-/// 255 where the pixel counts.
+/// A mask of 16 bits may hold small numbers, which a picture of 8 bits would lose.
+Image<uint8_t> counted_values(const Image<uint16_t>& values) {
+  Image<uint8_t> out(values.width, values.height, 1);
+  for (size_t i = 0; i < out.pixels(); ++i) out.data[i] = values.data[i] > 0 ? 255 : 0;
+  return out;
+}
+
+/// 255 where the pixel counts: in any colour, and opaque. A picture that is black everywhere has its mask in the alpha.
 Image<uint8_t> counted(const fs::path& file) {
+  if (const ImageInfo info = read_image_info(file); info.bit_depth == 16 && info.channels == 1)
+    return counted_values(read_gray_png(file));
   const Image<uint8_t> picture = read_stored_image(file);
   const int least = file.extension() == ".png" || file.extension() == ".PNG" ? 1 : kDark;
+  const auto bright = [&](const uint8_t* pixel) { return std::max({pixel[0], pixel[1], pixel[2]}) >= least; };
+  bool any_bright = picture.channels < 4, any_clear = false;
+  for (size_t i = 0; i < picture.pixels() && picture.channels == 4; ++i) {
+    const uint8_t* pixel = &picture.data[4 * i];
+    any_bright = any_bright || bright(pixel);
+    any_clear = any_clear || pixel[3] < kDark;
+  }
+  const bool alpha_alone = !any_bright && any_clear;
   Image<uint8_t> out(picture.width, picture.height, 1);
   for (size_t i = 0; i < out.pixels(); ++i) {
     const uint8_t* pixel = &picture.data[i * size_t(picture.channels)];
     const bool opaque = picture.channels < 4 || pixel[3] >= kDark;
-    out.data[i] = opaque && pixel[0] >= least ? 255 : 0;
+    out.data[i] = opaque && (alpha_alone || bright(pixel)) ? 255 : 0;
   }
   return out;
 }

@@ -104,5 +104,35 @@ TEST_F(PhotoMask, OfAnotherAspectIsRefused) {
   EXPECT_THROW(read_mask(folder / "masks/a.png", folder / "images/a.png", false, 40, 20), Error);
 }
 
+TEST_F(PhotoMask, AnyColourCounts) {
+  write_png(folder / "images/a.png", Image<uint8_t>(8, 8, 3, 90));
+  Image<uint8_t> blue(8, 8, 3, 0);
+  blue.at(2, 2, 2) = 255;
+  write_png(folder / "m.png", blue);
+  const Image<uint8_t> mask = read_mask(folder / "m.png", folder / "images/a.png", false, 8, 8);
+  EXPECT_EQ(mask.at(2, 2), 255);
+  EXPECT_EQ(mask.at(3, 2), 0);
+}
+
+TEST_F(PhotoMask, OfBlackWithAlphaIsItsAlpha) {
+  write_png(folder / "images/a.png", Image<uint8_t>(8, 8, 3, 90));
+  Image<uint8_t> black(8, 8, 4, 0);
+  black.at(2, 2, 3) = 255;
+  write_png(folder / "m.png", black);
+  const Image<uint8_t> mask = read_mask(folder / "m.png", folder / "images/a.png", false, 8, 8);
+  EXPECT_EQ(mask.at(2, 2), 255);
+  EXPECT_EQ(mask.at(3, 2), 0);
+}
+
+TEST_F(PhotoMask, SmallNumbersOfSixteenBitsCount) {
+  write_png(folder / "images/a.png", Image<uint8_t>(8, 8, 3, 90));
+  Image<uint16_t> small(8, 8, 1, 0);
+  small.at(2, 2) = 1;
+  write_png16(folder / "m.png", small);
+  const Image<uint8_t> mask = read_mask(folder / "m.png", folder / "images/a.png", false, 8, 8);
+  EXPECT_EQ(mask.at(2, 2), 255);
+  EXPECT_EQ(mask.at(3, 2), 0);
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "io/colmap.h"
+#include "io/output_place.h"
 #include "scene/lens_model.h"
 #include "scene/mesh_ply.h"
 #include "scene/not_a_scene.h"
@@ -17,6 +18,7 @@
 #include "scene/photo_mask.h"
 #include "scene/scene_check.h"
 #include "scene/scene_json.h"
+#include "scene/view_names.h"
 
 namespace aligngs {
 namespace {
@@ -46,8 +48,8 @@ void require_inside_folder(const std::string& image_name, const fs::path& path) 
 /// it: "a.1.png" and "a.2.png" must not share the map "a.npy".
 class MapNames {
  public:
-  explicit MapNames(const ColmapModel& model) {
-    for (const ColmapImage& image : model.images) ++uses_[short_name(image.name)];
+  explicit MapNames(const std::vector<std::string>& image_names) {
+    for (const std::string& name : image_names) ++uses_[short_name(name)];
   }
 
   /// The first existing <folder>/<stem><extension>; empty when there is none. Error{kBadInput} where the first stem
@@ -118,12 +120,21 @@ std::map<std::string, Camera> cameras_of(const ColmapModel& model, const fs::pat
   return cameras;
 }
 
+/// The names of a model's images. Absolute ones are paths of another machine: they become relative together.
+std::vector<std::string> relative_names(const ColmapModel& model) {
+  std::vector<std::string> names;
+  for (const ColmapImage& image : model.images) names.push_back(image.name);
+  return std::any_of(names.begin(), names.end(), is_absolute_name) ? without_shared_folders(names) : names;
+}
+
 /// Finds the photo of a view and brings the camera to its size. A photo that is missing keeps the place where it should
 /// be,
 /// for the check of headers to report.
-void pair_with_photo(const PhotoLookup& photos, const ColmapImage& image, const fs::path& images, View& view) {
-  const PhotoLookup::Answer answer = photos.find(image.name);
-  view.image = answer.file.empty() ? images / image.name : answer.file;
+void pair_with_photo(const PhotoLookup& photos, const ColmapImage& image, const std::string& name,
+                     const fs::path& images, View& view) {
+  PhotoLookup::Answer answer = photos.find(image.name);
+  if (name != image.name && !lies_within(answer.file, images.parent_path())) answer = photos.find(name);
+  view.image = answer.file.empty() ? images / name : answer.file;
   if (answer.file.empty()) {
     if (photos.is_ambiguous(answer))
       throw_bad_input(view.image, "image", answer.problem, "rename or remove the others");
@@ -184,29 +195,32 @@ std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, con
     const fs::path truth_folder = find_colmap_folder(folder / "truth");
     truth = cameras_of(read_colmap_model(truth_folder), truth_folder);
   }
-  const MapNames maps(model);
+  const std::vector<std::string> image_names = relative_names(model);
+  const MapNames maps(image_names);
   const PhotoLookup photos = photos_of_data_set(folder);
   std::vector<View> views;
   std::set<std::string> names;
-  for (const ColmapImage& image : model.images) {
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    const ColmapImage& image = model.images[i];
+    const std::string& name = image_names[i];
     View view;
-    view.name = view_name_of(image.name);
+    view.name = view_name_of(name);
     const auto pair = [&] {
-      require_inside_folder(image.name, model_folder / "images");
+      require_inside_folder(name, model_folder / "images");
       if (!names.insert(view.name).second) {
         throw_bad_input(model_folder / "images", "image '" + image.name + "'",
                         "two images have the name '" + view.name + "' before the last dot",
                         "rename one of them: maps are found by that name");
       }
       view.camera = lenses.pinhole(image);
-      pair_with_photo(photos, image, folder / "images", view);
+      pair_with_photo(photos, image, name, folder / "images", view);
     };
     if (!use_or_leave_out(view.name, left_out, pair)) continue;
     view.mask = find_mask(view.image);
-    view.prior_depth = maps.find(folder / "pred_depths", image.name, {".npy"});
-    view.semantics = maps.find(folder / "segmentation_logits", image.name, {".npz", ".npy", ".pt", ".pth"});
-    view.truth_depth = maps.find(folder / "truth" / "depth", image.name, {".png"});
-    view.truth_labels = maps.find(folder / "truth" / "labels", image.name, {".png"});
+    view.prior_depth = maps.find(folder / "pred_depths", name, {".npy"});
+    view.semantics = maps.find(folder / "segmentation_logits", name, {".npz", ".npy", ".pt", ".pth"});
+    view.truth_depth = maps.find(folder / "truth" / "depth", name, {".png"});
+    view.truth_labels = maps.find(folder / "truth" / "labels", name, {".png"});
     if (const auto found = truth.find(view.name); found != truth.end()) {
       view.truth_camera = found->second.resized(view.camera.width, view.camera.height);
     }

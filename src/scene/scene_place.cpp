@@ -12,6 +12,7 @@
 #include "io/folder_replacement.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
+#include "scene/data_parts.h"
 #include "scene/photo_mask.h"
 #include "scene/scene_json.h"
 
@@ -96,6 +97,7 @@ void require_scene_place(const fs::path& folder, bool overwrite, const std::vect
   const auto refuse = [&](const char* what, const char* remedy) {
     throw Error({ErrorKind::kUsage, what, folder, "output", remedy});
   };
+  require_outside_of_data(folder);
   if (fs::is_symlink(folder) && !fs::exists(folder))
     refuse("this is a link to nothing", "choose another folder, or remove the link");
   if (!fs::exists(folder)) return;

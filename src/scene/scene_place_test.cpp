@@ -118,5 +118,15 @@ TEST_F(ScenePlace, FilesAndLinksToNothingAreNoPlace) {
   EXPECT_THAT(refusal(true), HasSubstr("this is a file"));
 }
 
+TEST_F(ScenePlace, PartsOfADataSetAreNoPlace) {
+  fs::create_directories(base_ / "folder" / "sparse" / "0");
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"})
+    write_file_atomically(base_ / "folder" / "sparse" / "0" / name, "# none\n");
+  for (const char* part : {"sparse/0/scene", "images/scene", "depth"})
+    EXPECT_THROW(require_scene_place(base_ / "folder" / part, true), Error) << part;
+  EXPECT_NO_THROW(require_scene_place(base_ / "folder" / "scene", true));
+  EXPECT_NO_THROW(require_scene_place(base_ / "sparse" / "scene", true)) << "no data set";
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -268,5 +268,21 @@ TEST(SceneFingerprint, DependsOnTheContentAndNotOnThePlace) {
   EXPECT_NE(scene_fingerprint(changed), fingerprint);
 }
 
+TEST(OpenScene, PathsOfAnotherMachineAreNamesBelowTheirSharedFolder) {
+  for (const char* before : {"/home/somebody/capture/images/", "C:\\Users\\somebody\\images\\", "D:/x/"}) {
+    const fs::path folder = write_scene();
+    const std::vector<View> plain = open_scene(folder).views;
+    change_model(folder, [&](ColmapModel& model) {
+      for (ColmapImage& image : model.images) image.name = before + image.name;
+    });
+    const Scene scene = open_scene(folder);
+    ASSERT_EQ(scene.views.size(), plain.size()) << before;
+    for (size_t i = 0; i < plain.size(); ++i) {
+      EXPECT_EQ(scene.views[i].name, plain[i].name) << before;
+      EXPECT_EQ(scene.views[i].image, plain[i].image) << before;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -142,18 +142,23 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
       options.coordinates == ExportCoordinates::kOriginal ? read_scene_json(scene_json).to_original : std::nullopt;
   std::optional<EditableRoom> elsewhere;  // a room that stays is not copied
   Similarity to;
+  Vec3d offset;  // of original coordinates that 32-bit floats cannot hold
   if (out.aligned) {
     elsewhere = aligned(room, measured->to_room);
     to = export_frame(measured->to_room);
   } else if (original_world) {
-    elsewhere = in_original_coordinates(room, *original_world, scene_json);
+    OffsetRoom original = in_original_coordinates(room, *original_world, scene_json, holds_mesh(format));
+    elsewhere = std::move(original.room);
+    offset = original.offset;
     to = *original_world;
+    to.translation = to.translation - offset;
   }
   if (room.mesh.empty() && (options.triangles > 0 || options.error > 0 || options.closed || options.textured)) {
     throw Error({ErrorKind::kUsage, "there is no mesh to simplify, close or texture", session.folder(), "",
                  "make it first: aligngs mesh RUN"});
   }
   ExportOptions parts{.parts = options.parts};
+  if (options.coordinates == ExportCoordinates::kOriginal) parts.offset = offset;
   parts.mesh.triangles = options.triangles;
   parts.mesh.error = options.error > 0 ? options.error * millimetre(session, measured) * to.scale : 0;
   parts.mesh.closed = options.closed;

@@ -23,8 +23,8 @@ FirstState first_state(const FirstStateInputs& in, const Engine& engine, MemoryB
     all_pixels += size;
   }
   const int64_t limit = start_limit(config, pixels);
-  const StartInputs inputs{config,   in.views, in.depth_scales, scene.cloud,     in.scene.use.depth,
-                           channels, limit,    in.scene.extent, pool, is_sensor_depth(scene.prior_source)};
+  const StartInputs inputs{config,   in.views, in.depth_scales, scene.cloud, in.scene.use.depth,
+                           channels, limit,    in.scene.extent, pool,        is_sensor_depth(scene.prior_source)};
   StartModel begun =
       make_start_model(inputs, random_of(static_cast<uint64_t>(config.train.seed), RandomPurpose::kStart));
   if (config.densify.morton_order) sort_by_morton(begun.model);

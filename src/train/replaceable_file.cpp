@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "io/drawn_picture.h"
 #include "io/output_place.h"
+#include "scene/data_parts.h"
 #include "scene/import/capture.h"
 #include "scene/scene_place.h"
 #include "train/run_folder.h"
@@ -24,14 +25,6 @@ constexpr int kPathLevels = 4;  // folders above a file: a data set's deepest fi
 bool is_one_of(std::string ending, std::initializer_list<std::string_view> endings) {
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
-}
-
-/// Folders in which layouts of captures have their data.
-bool holds_captured_data(const fs::path& folder) {
-  const std::string name = folder.string();
-  if (name.starts_with("images") || name.starts_with("depth") || name.starts_with("seq-")) return true;
-  return is_one_of(name, {"sparse", "colmap", "poses", "pose", "color", "rgb", "intrinsic", "results", "keyframes",
-                          "masks", "pred_depths", "pred_confidence", "segmentation_logits", "segments", "truth"});
 }
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
@@ -56,7 +49,7 @@ void require_replaceable(const fs::path& file) {
     }
     if (is_own_scene(folder)) refuse(file, "this place belongs to the scene " + folder.string() + kNothingElse);
     const fs::path first = *place.lexically_relative(folder).begin();
-    const bool owned = level > 0 ? there || holds_captured_data(first)
+    const bool owned = level > 0 ? there || is_data_part(first.string())
                                  : there && is_one_of(ending, {".ply", ".obj", ".json", ".txt", ".csv"});
     if (owned && recognise_layout(folder) != nullptr)
       refuse(file, "this place belongs to the data set " + folder.string() + kNothingElse);

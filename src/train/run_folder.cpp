@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "io/abandoned_paths.h"
 #include "io/output_place.h"
+#include "scene/data_parts.h"
 #include "train/replaceable_file.h"
 #include "train/run_record.h"
 
@@ -39,6 +40,7 @@ bool RunFolder::wrote(const fs::path& file) const {
 
 void RunFolder::check(RunMode mode) const {
   std::error_code error;
+  require_outside_of_data(folder_);
   if (!fs::exists(folder_, error)) return;
   if (!fs::is_directory(folder_, error)) {
     throw Error({ErrorKind::kUsage, "the run folder is a file", folder_, "-o", "name a new folder"});

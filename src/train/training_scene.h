@@ -18,8 +18,8 @@ struct TrainingScene {
 };
 
 struct TrainingSceneRules {
-  bool strict = false;          ///< a view that cannot be used is an error instead of being left out
-  bool require_priors = false;  ///< missing depth or semantics are Error{kWeights} instead of a warning
+  bool strict = false;           ///< a view that cannot be used is an error instead of being left out
+  bool require_priors = false;   ///< missing depth or semantics are Error{kWeights} instead of a warning
   bool labels_unwanted = false;  ///< missing semantics are no warning
 };
 

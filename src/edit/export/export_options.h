@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 #include "edit/export/texture_photos.h"
 
@@ -25,6 +26,9 @@ struct MeshOptions {
 struct ExportOptions {
   RoomParts parts = RoomParts::kAll;  ///< of a GLB or USD; other formats hold what they hold
   MeshOptions mesh = {};
+  /// Formats of a mesh. If set, positions keep their axes, and this is added in double precision. The root node of a GLB
+  /// or USD does so, and turns y up. An OBJ has it in its text.
+  std::optional<Vec3d> offset = {};
 };
 
 }  // namespace aligngs

@@ -44,21 +44,25 @@ EditableRoom moved(const EditableRoom& room, const Similarity& to) {
   return out;
 }
 
-EditableRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original,
-                                     const std::filesystem::path& scene_json) {
+OffsetRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original,
+                                   const std::filesystem::path& scene_json, bool holds_offset) {
   constexpr double kLargestShare = 1e-4;  // of the room: half a millimetre in a room of five metres
+  constexpr double kFewDigits = 10;       // times the room: texts have six digits
   const Vec3d& t = to_original.translation;
   const double largest = std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)});
   const double spacing = largest * std::numeric_limits<float>::epsilon(),
                size = to_original.scale * size_of(room.gaussians.model);
-  if (spacing > kLargestShare * size) {
+  const bool fits = spacing <= kLargestShare * size && !(holds_offset && largest > kFewDigits * size);
+  if (!fits && !holds_offset) {
     throw_bad_input(
         scene_json, "to_original",
         fmt::format("coordinates near {:.4g} do not fit the files' 32-bit floats: points would move by {:.2g}", largest,
                     spacing),
-        "export without --original-coordinates, and apply to_original of scene.json in the other program");
+        "export glb, obj or usda, which hold the offset apart; or leave out --original-coordinates, and apply "
+        "to_original of scene.json in the other program");
   }
-  return moved(room, to_original);
+  if (fits) return {moved(room, to_original), Vec3d{}};
+  return {moved(room, {to_original.scale, to_original.rotation, Vec3d{}}), t};
 }
 
 }  // namespace aligngs

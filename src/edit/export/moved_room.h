@@ -11,11 +11,16 @@ namespace aligngs {
 /// Gaussians, mesh, extent and up in the world that `to` leads to. Objects keep their names.
 EditableRoom moved(const EditableRoom& room, const Similarity& to);
 
-/// The room in the world of the files that its scene was imported from; `to_original` as scene.json has it.
-/// Error{kBadInput} naming
-/// `scene_json` where 32-bit floats would move a vertex by more than a ten-thousandth of the room's size there (map
-/// coordinates).
-EditableRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original,
-                                     const std::filesystem::path& scene_json);
+/// A room whose coordinates lack an offset.
+struct OffsetRoom {
+  EditableRoom room;
+  Vec3d offset;  ///< to be added to all positions
+};
+
+/// The room in the world of the files that its scene was imported from; `to_original` as scene.json has it. 32-bit floats
+/// may move a vertex by more than a ten-thousandth of the room's size there (map coordinates). Then the offset is kept
+/// apart, or Error{kBadInput} names `scene_json` where the format has no place for it.
+OffsetRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original,
+                                   const std::filesystem::path& scene_json, bool holds_offset);
 
 }  // namespace aligngs

@@ -26,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 class SceneExport : public testing::Test {
  protected:
@@ -81,6 +82,29 @@ TEST_F(SceneExport, GlbOfTheMeshOrTheSplatsAlone) {
   room_.mesh = {};
   EXPECT_THROW(write_glb(file("none.glb"), room_, pool_, {.parts = RoomParts::kMesh}), Error);
   EXPECT_FALSE(fs::exists(file("none.glb")));
+}
+
+TEST_F(SceneExport, AnOffsetIsAddedInDoublePrecision) {
+  ExportOptions options;
+  options.offset = Vec3d{4e5, 5.6e6, 120.25};
+  const Vec3d vertex = room_.mesh.vertices[0].cast<double>(), up = rotation_to_y_up(room_.up) * *options.offset;
+  write_glb(file("far.glb"), room_, pool_, options);
+  const nlohmann::json glb = json_of_glb(file("far.glb"));
+  const nlohmann::json& matrix = glb["nodes"][0]["matrix"];
+  for (size_t a = 0; a < 3; ++a) EXPECT_EQ(matrix[12 + a].get<double>(), up[static_cast<int>(a)]) << "y up";
+  EXPECT_EQ(matrix[15], 1);
+  write_usda(file("far.usda"), room_, pool_, options);
+  EXPECT_THAT(read_file(file("far.usda")), HasSubstr("uniform token[] xformOpOrder = [\"xformOp:transform\"]"));
+  write_obj(file("far.obj"), room_, pool_, options);
+  const std::string obj = read_file(file("far.obj"));
+  EXPECT_THAT(obj, HasSubstr("v 400000"));
+  EXPECT_THAT(obj, Not(HasSubstr("y up")));
+  double x = 0, y = 0, z = 0, nearest = 1;
+  for (size_t at = obj.find("\nv "); at != std::string::npos; at = obj.find("\nv ", at + 1)) {
+    ASSERT_EQ(std::sscanf(obj.c_str() + at, "\nv %lf %lf %lf", &x, &y, &z), 3);
+    nearest = std::min(nearest, norm(Vec3d{x, y, z} - *options.offset - vertex));
+  }
+  EXPECT_LT(nearest, 1e-4) << "the vertex keeps its axes";
 }
 
 TEST_F(SceneExport, GlbSplatsHaveAColourForViewersThatDrawPoints) {

@@ -38,6 +38,17 @@ Mat3d rotation_to_y_up(const std::optional<Vec3d>& up) {
   return rotation_matrix(q) * half_turn;
 }
 
+std::array<double, 16> root_matrix(const Mat3d& rotation, const Vec3d& offset) {
+  const Vec3d t = rotation * offset;
+  std::array<double, 16> m{};
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) m[static_cast<size_t>(4 * r + c)] = rotation(r, c);
+    m[static_cast<size_t>(4 * r + 3)] = t[r];
+  }
+  m[15] = 1;
+  return m;
+}
+
 GaussianModel rotated(const GaussianModel& model, const Mat3d& rotation) {
   GaussianModel out = model;
   Eigen::MatrixXd turn[kMaxShDegree + 1];

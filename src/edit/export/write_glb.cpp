@@ -128,6 +128,22 @@ int add_material(GlbContainer& glb, const Image<uint8_t>& texture) {
                                {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
 }
 
+/// The node above all others. glTF has y up: with an offset the positions keep their own axes, and the node turns them.
+int add_root(GlbContainer& glb, const EditableRoom& room, const ExportOptions& options) {
+  Json root = {{"name", "room"}};
+  if (options.offset) {
+    const std::array<double, 16> rows = root_matrix(rotation_to_y_up(room.up), *options.offset);
+    Json columns = Json::array();
+    for (size_t i = 0; i < 16; ++i) columns.push_back(rows[4 * (i % 4) + i / 4]);
+    root["matrix"] = columns;
+  }
+  return glb.add("nodes", root);
+}
+
+Mat3d turn_of_positions(const EditableRoom& room, const ExportOptions& options) {
+  return options.offset ? Mat3d::identity() : rotation_to_y_up(room.up);
+}
+
 void finish(GlbContainer& glb, int root, const Json& children, const std::filesystem::path& path) {
   if (!children.empty()) glb.json()["nodes"][static_cast<size_t>(root)]["children"] = children;
   glb.add("scenes", {{"name", "room"}, {"nodes", Json::array({root})}});
@@ -141,10 +157,10 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
   if (options.parts == RoomParts::kMesh && room.mesh.empty())
     throw Error({ErrorKind::kUsage, "a GLB of the mesh alone needs one, and the run has none", path, "--mesh-only",
                  "make it first: aligngs mesh RUN"});
-  const Mat3d rotation = rotation_to_y_up(room.up);
+  const Mat3d rotation = turn_of_positions(room, options);
   GlbContainer glb;
   ExportReport report{.files = {path}};
-  const int root = glb.add("nodes", {{"name", "room"}});
+  const int root = add_root(glb, room, options);
   Json children = Json::array();
   const int splats = options.parts == RoomParts::kMesh ? -1 : add_splats(glb, room, rotation, report.gaussians);
   if (options.parts != RoomParts::kSplats && !room.mesh.empty()) {
@@ -166,8 +182,8 @@ ExportReport write_collision_glb(const std::filesystem::path& path, const Editab
   ExportReport report{.files = {path}};
   report.describe(mesh);
   GlbContainer glb;
-  const int root = glb.add("nodes", {{"name", "room"}});
-  finish(glb, root, add_objects(glb, mesh, rotation_to_y_up(room.up), -1), path);
+  const int root = add_root(glb, room, options);
+  finish(glb, root, add_objects(glb, mesh, turn_of_positions(room, options), -1), path);
   return report;
 }
 

@@ -28,12 +28,14 @@ ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& ro
   if (room.mesh.empty())
     throw Error(
         {ErrorKind::kUsage, "OBJ holds a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
-  const Mat3d rotation = rotation_to_y_up(room.up);
+  const Mat3d rotation = options.offset ? Mat3d::identity() : rotation_to_y_up(room.up);
+  const Vec3d offset = options.offset.value_or(Vec3d{});
   const ExportMesh all = export_mesh(room, options.mesh, pool);
   ExportReport report{.files = {path}};
   report.describe(all);
-  std::string text =
-      std::string("# aligngs ") + version() + ", y up; vertices: x y z" + (all.texture.empty() ? " r g b\n" : "\n");
+  std::string text = std::string("# aligngs ") + version() +
+                     (options.offset ? ", axes of the files that were imported" : ", y up") + "; vertices: x y z" +
+                     (all.texture.empty() ? " r g b\n" : "\n");
   if (!all.texture.empty()) {
     write_material(path, all.texture, report);
     text += "mtllib " + report.files[1].filename().string() + "\nusemtl photos\n";
@@ -49,8 +51,9 @@ ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& ro
     text += "o " + underscored(object.name) + "\ng " +
             underscored(object.class_name.empty() ? object.name : object.class_name) + "\n";
     for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-      const Vec3d p = rotation * mesh.vertices[v].cast<double>();
-      text += fmt::format("v {:.6g} {:.6g} {:.6g}", p.x, p.y, p.z);
+      const Vec3d p = rotation * mesh.vertices[v].cast<double>() + offset;
+      const int digits = norm(offset) > 0 ? 12 : 6;
+      text += fmt::format("v {:.{}g} {:.{}g} {:.{}g}", p.x, digits, p.y, digits, p.z, digits);
       if (!mesh.colors.empty() && object.uv.empty())
         text += fmt::format(" {:.4f} {:.4f} {:.4f}", mesh.colors[v][0] / 255., mesh.colors[v][1] / 255.,
                             mesh.colors[v][2] / 255.);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/srgb.h"
@@ -238,12 +239,33 @@ void write_splats(Writer& out, const GaussianModel& model, const std::vector<uin
   out.line(2, "}");
 }
 
+/// USD multiplies row vectors: its rows are our columns.
+void write_root_matrix(Writer& out, const std::array<double, 16>& m) {
+  std::string rows;
+  for (size_t c = 0; c < 4; ++c)
+    rows += fmt::format("{}({}, {}, {}, {})", c > 0 ? ", " : "", m[c], m[4 + c], m[8 + c], m[12 + c]);
+  out.line(1, "matrix4d xformOp:transform = ( " + rows + " )");
+  out.line(1, "uniform token[] xformOpOrder = [\"xformOp:transform\"]");
+}
+
+/// The turn of the positions, and the matrix above them: with an offset they keep their own axes.
+struct StageAxes {
+  StageAxes(const EditableRoom& room, const ExportOptions& options) : turn(rotation_to_y_up(room.up)) {
+    if (!options.offset) return;
+    root = root_matrix(turn, *options.offset);
+    turn = Mat3d::identity();
+  }
+  Mat3d turn;
+  std::optional<std::array<double, 16>> root;
+};
+
 /// The file as text. `texture`: the name by which the surfaces refer to their texture.
 void write_stage(Writer& out, const Parts& parts, const GaussianModel& splats, const Mat3d& rotation,
-                 const std::string& texture) {
+                 const std::string& texture, const std::optional<std::array<double, 16>>& root) {
   out.line(0, std::string("#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs ") + version() +
                   "\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n");
   out.line(0, "def Xform \"room\"\n{");
+  if (root) write_root_matrix(out, *root);
   if (!texture.empty()) write_material(out, texture);
   for (const auto& [key, part] : parts) {
     if (part.class_name.empty()) {
@@ -269,7 +291,8 @@ ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& r
   if (options.parts == RoomParts::kMesh && room.mesh.empty()) {
     throw Error({ErrorKind::kUsage, "the run has no mesh", path, "--mesh-only", "make it first: aligngs mesh RUN"});
   }
-  const Mat3d rotation = rotation_to_y_up(room.up);
+  const StageAxes axes(room, options);
+  const Mat3d& rotation = axes.turn;
   const bool with_splats = options.parts != RoomParts::kMesh,
              with_mesh = options.parts != RoomParts::kSplats && !room.mesh.empty();
   const ExportMesh surfaces = with_mesh ? export_mesh(room, options.mesh, pool) : ExportMesh(),
@@ -289,7 +312,7 @@ ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& r
   }
   AtomicFile file(path);
   Writer out([&](const std::string& text) { file.write(text); });
-  write_stage(out, parts, splats, rotation, texture);
+  write_stage(out, parts, splats, rotation, texture, axes.root);
   file.commit();
   return report;
 }
@@ -306,8 +329,8 @@ ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& r
   const std::string name = "texture.jpg";
   std::string stage;
   Writer out([&](const std::string& text) { stage += text; });
-  write_stage(out, parts_of(room, surfaces, {}, false), {}, rotation_to_y_up(room.up),
-              surfaces.texture.empty() ? "" : name);
+  const StageAxes axes(room, options);
+  write_stage(out, parts_of(room, surfaces, {}, false), {}, axes.turn, surfaces.texture.empty() ? "" : name, axes.root);
   // The first file is the stage.
   std::vector<std::pair<std::string, std::string_view>> files = {{"room.usda", stage}};
   std::vector<uint8_t> picture;

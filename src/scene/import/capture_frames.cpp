@@ -13,6 +13,7 @@
 #include "scene/import/capture_text.h"
 #include "scene/lens_model.h"
 #include "scene/photo_fit.h"
+#include "scene/view_names.h"
 
 namespace aligngs {
 
@@ -208,7 +209,9 @@ int FrameNames::find(const std::string& name) const {
     }
     if (count == 1) return found;
   }
-  return by_spelling(name);
+  if (const int found = by_spelling(name); found >= 0) return found;
+  const std::string decoded = percent_decoded(name);
+  return decoded.empty() ? -1 : find(decoded);
 }
 
 int FrameNames::by_spelling(const std::string& name) const {
@@ -225,31 +228,15 @@ int FrameNames::by_spelling(const std::string& name) const {
 }
 
 void shorten_names(Capture& capture) {
-  std::map<std::string, std::vector<std::string>> parts;
+  std::vector<std::string> names;
+  std::map<std::string, std::string> stems;  // of the first frame of a name: the second is listed twice
   for (const CapturedFrame& frame : capture.frames) {
-    fs::path path = fs::path(frame.name).lexically_normal().relative_path();
     // A name may leave out the extension, and may hold dots: the file that was found says where it ends.
-    const std::string stem = as_utf8(frame.image.stem().string());
-    std::vector<std::string>& own = parts[frame.name];
-    if (!own.empty()) continue;  // listed twice
-    for (const fs::path& part : path.parent_path()) {
-      if (part != "..") own.push_back(as_utf8(part.string()));
-    }
-    own.push_back(stem);
+    const std::string stem = stems.try_emplace(frame.name, as_utf8(frame.image.stem().string())).first->second;
+    names.push_back((fs::path(as_utf8(frame.name)).parent_path() / stem).generic_string());
   }
-  if (parts.empty()) return;
-  size_t shared = parts.begin()->second.size() - 1;
-  for (const auto& [name, own] : parts) {
-    shared = std::min(shared, own.size() - 1);
-    while (!std::equal(own.begin(), own.begin() + static_cast<ptrdiff_t>(shared), parts.begin()->second.begin()))
-      --shared;
-  }
-  for (CapturedFrame& frame : capture.frames) {
-    const std::vector<std::string>& own = parts[frame.name];
-    std::string name;
-    for (size_t i = shared; i < own.size(); ++i) name += (name.empty() ? "" : "/") + own[i];
-    frame.name = name;
-  }
+  const std::vector<std::string> shortened = without_shared_folders(names);
+  for (size_t i = 0; i < names.size(); ++i) capture.frames[i].name = shortened[i];
 }
 
 void finish_capture(Capture& capture) {

@@ -64,6 +64,11 @@ TEST(FrameNames, ListsOfMacOsMeanTheSameLetters) {
   EXPECT_EQ(FrameNames(frames_of({kDecomposed, "a"})).find(std::string(kUtf8) + ".png"), 0);
 }
 
+TEST(FrameNames, ListsMayWriteNamesAsWebAddressesDo) {
+  EXPECT_EQ(FrameNames(frames_of({"a", "my photo"})).find("images/my%20photo.png"), 1);
+  EXPECT_EQ(FrameNames(frames_of({"my photo", "my%20photo"})).find("my%20photo.png"), 1);
+}
+
 TEST(FrameNames, TwoFramesInOtherSpellingsAreNoAnswer) {
   EXPECT_EQ(FrameNames(frames_of({"img", "IMG"})).find("Img"), -1);
   EXPECT_EQ(FrameNames(frames_of({"img", "IMG"})).find("IMG"), 1);

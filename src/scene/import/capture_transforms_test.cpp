@@ -157,6 +157,15 @@ TEST_F(TransformsTest, MasksAreFoundAndUnknownParametersListedOnce) {
                                                                        testing::Not(HasSubstr("applied_scale")))));
 }
 
+TEST_F(TransformsTest, FilesOfAnotherMachineAreFoundByTheEndOfTheirPath) {
+  image("my masks/a.png");
+  for (const char* name :
+       {"my%20masks/a.png", "/home/somebody/capture/my masks/a.png", "C:\\\\x\\\\my masks\\\\a.png"}) {
+    const Capture capture = read("", fmt::format(R"(, "mask_path": "{}")", name));
+    EXPECT_EQ(capture.frames[0].mask.lexically_normal(), folder_ / "my masks" / "a.png") << name;
+  }
+}
+
 TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
   image("images/b.png");
   write(

@@ -8,20 +8,11 @@
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 #include "scene/photo_places.h"
+#include "scene/view_names.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-/// Whether a name stays below the folder of photos.
-bool is_plain(const fs::path& name) {
-  return name.is_relative() &&
-         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
-}
-
-}  // namespace
 
 Capture read_colmap_capture(const fs::path& folder, const CaptureOptions&) {
   return read_colmap_capture(folder, photos_of_data_set(folder));
@@ -49,8 +40,8 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
       return frame;
     });
   }
-  const bool plain = std::all_of(capture.frames.begin(), capture.frames.end(),
-                                 [](const CapturedFrame& frame) { return is_plain(frame.name); });
+  const bool plain = std::none_of(capture.frames.begin(), capture.frames.end(),
+                                  [](const CapturedFrame& frame) { return leads_elsewhere(frame.name); });
   if (!plain) shorten_names(capture);
   for (CapturedFrame& frame : capture.frames) {
     if (plain) frame.name = view_name_of(frame.name);

@@ -248,7 +248,7 @@ struct CloudInputs {
 std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& options) {
   std::set<fs::path> folders;
   for (const CapturedFrame& frame : capture.frames) {
-    for (const fs::path& file : {frame.image, frame.depth}) {
+    for (const fs::path& file : {frame.image, frame.depth, frame.confidence, frame.mask}) {
       if (!file.empty()) folders.insert(real_place(file).parent_path());
     }
   }

@@ -17,6 +17,7 @@
 #include "scene/import/transforms_fields.h"
 #include "scene/mesh_ply.h"
 #include "scene/photo_places.h"
+#include "scene/view_names.h"
 
 namespace aligngs {
 
@@ -60,10 +61,33 @@ Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& fiel
   return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m, file, field, scale));
 }
 
+/// A file that the document names, below its folder. A path of another machine counts by its last parts. If nothing is
+/// there: the place where it should be.
+fs::path named_file(const PhotoLookup& files, const fs::path& folder, const std::string& given) {
+  const std::string name = slashed_name(given);
+  if (const fs::path found = files.find(name).file; !found.empty()) return found;
+  std::error_code error;
+  if (!is_absolute_name(name)) {
+    const fs::path decoded = folder / percent_decoded(name);
+    return fs::is_regular_file(decoded, error) ? decoded : folder / name;
+  }
+  for (fs::path rest = fs::path(name).relative_path(); rest.has_parent_path();) {  // never a bare name
+    if (fs::is_regular_file(folder / rest, error)) return folder / rest;
+    fs::path shorter;
+    for (auto part = std::next(rest.begin()); part != rest.end(); ++part) shorter /= *part;
+    rest = shorter;
+  }
+  return folder / name;
+}
+
 class FrameReader {
  public:
   FrameReader(const Transforms& transforms, const PhotoLookup& photos, Capture& capture)
-      : transforms_(transforms), photos_(photos), capture_(capture), folder_(transforms.file.parent_path()) {}
+      : transforms_(transforms),
+        photos_(photos),
+        capture_(capture),
+        folder_(transforms.file.parent_path()),
+        files_({}, folder_) {}
 
   CapturedFrame read(const Json& item, const std::string& field) const {
     CapturedFrame frame;
@@ -79,7 +103,7 @@ class FrameReader {
     set_camera(frame, fields.camera(info.stored_width, info.stored_height));
     frame.depth = depth(fields);
     if (const std::string mask = fields.text("mask_path"); !mask.empty()) {
-      frame.mask = folder_ / slashed_name(mask);
+      frame.mask = named_file(files_, folder_, mask);
       if (!fs::is_regular_file(frame.mask))
         throw_bad_input(frame.mask, "mask_path", "the mask is missing", "add it, or remove mask_path");
     }
@@ -98,7 +122,7 @@ class FrameReader {
     const std::string path = slashed_name(fields.text("depth_file_path").empty() ? fields.text("depth_path")
                                                                                  : fields.text("depth_file_path"));
     if (path.empty()) return {};
-    const fs::path file = folder_ / path;
+    const fs::path file = named_file(files_, folder_, path);
     if (file.extension() != ".png" && file.extension() != ".PNG") {
       note_once("depth in " + file.extension().string() + " files is not read and not used: 16-bit PNG is");
       return {};
@@ -132,6 +156,7 @@ class FrameReader {
   const PhotoLookup& photos_;
   Capture& capture_;
   fs::path folder_;
+  PhotoLookup files_;  ///< masks and depth
   mutable size_t depths_named_ = 0, depths_found_ = 0;
 };
 
@@ -241,7 +266,7 @@ Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
     capture.test = listed_names(transforms, {"test_filenames", "val_filenames"});
     const std::string ply =
         TransformsFields(transforms.document, transforms.document, transforms.file).text("ply_file_path");
-    if (!ply.empty()) capture.cloud = read_points(folder / slashed_name(ply), capture);
+    if (!ply.empty()) capture.cloud = read_points(named_file(PhotoLookup({}, folder), folder, ply), capture);
     note_unknown(transforms, capture);
   } else {
     const bool has_test = fs::is_regular_file(folder / "transforms_test.json");
