@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/letter_case.h"
@@ -31,6 +32,13 @@ constexpr std::array<std::string_view, 14> kParts = {"sparse",
                                                      "segmentation_logits",
                                                      "segments"};
 
+/// Folders that are still to come, or that cannot be read, are no data set.
+bool is_data_set(const fs::path& folder) {
+  std::error_code error;
+  const fs::directory_iterator readable(folder, error);
+  return !error && recognise_layout(folder) != nullptr;
+}
+
 }  // namespace
 
 bool is_data_part(const std::string& name) {
@@ -45,7 +53,7 @@ fs::path data_set_with_part(const fs::path& place) {
   for (int level = 0; level < kPathLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {
     const std::string part = real.lexically_relative(folder).begin()->string();
     if (part == "results" && !fs::exists(folder / "traj.txt")) continue;  // photos of Replica; elsewhere a common name
-    if (is_data_part(part) && recognise_layout(folder) != nullptr) return folder;
+    if (is_data_part(part) && is_data_set(folder)) return folder;
   }
   return {};
 }
