@@ -161,12 +161,24 @@ class MeantObjects {
     return nearest;
   }
 
-  /// "The pillows on the bed" are on one bed.
+  /// Whether each touches another one, so that they may be pieces of one thing.
+  bool hang_together(const std::set<size_t>& objects) const {
+    std::vector<size_t> reached = {*objects.begin()};
+    for (size_t k = 0; k < reached.size(); ++k) {
+      for (const size_t i : objects) {
+        const bool is_new = std::find(reached.begin(), reached.end(), i) == reached.end();
+        if (is_new && objects_.gap(reached[k], i) <= RelationLimits().touch) reached.push_back(i);
+      }
+    }
+    return reached.size() == objects.size();
+  }
+
+  /// "The pillows on the bed" are on one bed, which may be in pieces.
   void require_one_anchor(const SelectionTerm& term, const std::vector<Related>& related) const {
     std::set<size_t> used;
     for (const Related& r : related) used.insert(r.anchor);
     const bool is_shell = !is_of_group(objects_.labels(), objects_[*used.begin()].label, ClassGroup::kThings);
-    if (used.size() == 1 || term.relation->any_anchor || is_shell) return;
+    if (used.size() == 1 || term.relation->any_anchor || is_shell || hang_together(used)) return;
     std::string where;
     for (const Related& r : related)
       where += (where.empty() ? "" : ", ") + objects_.name(r.object) + " by " + objects_.name(r.anchor);

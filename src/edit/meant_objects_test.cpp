@@ -40,6 +40,12 @@ TEST_F(MeantObjectsTest, TheBedIsNotGuessedAmongSeveral) {
   EXPECT_EQ(meant("the pillows on the beds"), "pillow#1-3");
 }
 
+TEST_F(MeantObjectsTest, PiecesThatTouchAreOneThing) {
+  put("bed", {-0.45f, -0.5f, 2.6f}, {0.45f, 0, 3.45f}, 3);  // between the two others
+  put("pillow", {-0.2f, -0.62f, 3.0f}, {0.2f, -0.5f, 3.3f}, 4);
+  EXPECT_EQ(meant("the pillows on the bed"), "pillow#1-4");
+}
+
 TEST_F(MeantObjectsTest, AllOfThem) {
   EXPECT_EQ(meant("the pillows on bed#2"), "pillow#2, pillow#3");
   EXPECT_EQ(meant("every pillow on any bed"), "pillow#1-3");
