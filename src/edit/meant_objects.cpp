@@ -161,16 +161,18 @@ class MeantObjects {
     return nearest;
   }
 
-  /// Whether each touches another one, so that they may be pieces of one thing.
-  bool hang_together(const std::set<size_t>& objects) const {
-    std::vector<size_t> reached = {*objects.begin()};
+  /// Whether `used` may be pieces of one thing: each is close to another one, perhaps over others of `anchors`.
+  bool hang_together(const std::set<size_t>& used, const std::vector<size_t>& anchors) const {
+    constexpr double kBetweenPieces = 0.3;  // metres: a pillow or a blanket may hide what joins them
+    std::vector<size_t> reached = {*used.begin()};
     for (size_t k = 0; k < reached.size(); ++k) {
-      for (const size_t i : objects) {
+      for (const size_t i : anchors) {
         const bool is_new = std::find(reached.begin(), reached.end(), i) == reached.end();
-        if (is_new && objects_.gap(reached[k], i) <= RelationLimits().touch) reached.push_back(i);
+        if (is_new && objects_.gap(reached[k], i) <= kBetweenPieces) reached.push_back(i);
       }
     }
-    return reached.size() == objects.size();
+    return std::all_of(used.begin(), used.end(),
+                       [&](size_t i) { return std::find(reached.begin(), reached.end(), i) != reached.end(); });
   }
 
   /// "The pillows on the bed" are on one bed, which may be in pieces.
@@ -178,7 +180,8 @@ class MeantObjects {
     std::set<size_t> used;
     for (const Related& r : related) used.insert(r.anchor);
     const bool is_shell = !is_of_group(objects_.labels(), objects_[*used.begin()].label, ClassGroup::kThings);
-    if (used.size() == 1 || term.relation->any_anchor || is_shell || hang_together(used)) return;
+    if (used.size() == 1 || term.relation->any_anchor || is_shell || hang_together(used, anchors_of(*term.relation)))
+      return;
     std::string where;
     for (const Related& r : related)
       where += (where.empty() ? "" : ", ") + objects_.name(r.object) + " by " + objects_.name(r.anchor);

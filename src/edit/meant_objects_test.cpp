@@ -40,8 +40,8 @@ TEST_F(MeantObjectsTest, TheBedIsNotGuessedAmongSeveral) {
   EXPECT_EQ(meant("the pillows on the beds"), "pillow#1-3");
 }
 
-TEST_F(MeantObjectsTest, PiecesThatTouchAreOneThing) {
-  put("bed", {-0.45f, -0.5f, 2.6f}, {0.45f, 0, 3.45f}, 3);  // between the two others
+TEST_F(MeantObjectsTest, PiecesThatLieCloseTogetherAreOneThing) {
+  put("bed", {-0.35f, -0.5f, 2.6f}, {0.35f, 0, 3.45f}, 3);  // between the two others
   put("pillow", {-0.2f, -0.62f, 3.0f}, {0.2f, -0.5f, 3.3f}, 4);
   EXPECT_EQ(meant("the pillows on the bed"), "pillow#1-4");
 }

@@ -28,7 +28,8 @@ TEST(DataParts, PartsOfADataSetAndWhatLiesInThemBelongToIt) {
 
 TEST(DataParts, OtherFoldersOfADataSetAreFree) {
   const fs::path data = data_set("others");
-  for (const char* place : {"run", "out/run", "../images"}) EXPECT_NO_THROW(require_outside_of_data(data / place)) << place;
+  for (const char* place : {"run", "out/run", "../images"})
+    EXPECT_NO_THROW(require_outside_of_data(data / place)) << place;
 }
 
 TEST(DataParts, PlacesInFoldersThatAreStillToComeAreFree) {
