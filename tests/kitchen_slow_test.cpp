@@ -1,6 +1,5 @@
 // A real capture through the whole program at half its size: colour only from SfM points, and with sensor depth. Only
-// as
-// long as a test may take; the figures of full runs are in docs/results.md.
+// as long as a test may take; the figures of full runs are in docs/results.md.
 #include <gmock/gmock.h>
 
 #include <filesystem>

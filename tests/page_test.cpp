@@ -1,6 +1,5 @@
 // Requests of the page to a run: edits, undo, redo, exports, pictures, control; the same as the command line, and
-// closed
-// to everybody else.
+// closed to everybody else.
 #include <gmock/gmock.h>
 #include <unistd.h>
 

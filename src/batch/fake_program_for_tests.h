@@ -19,10 +19,9 @@ namespace aligngs::test_batch {
 namespace fs = std::filesystem;
 
 /// "good": done at once. "broken": status 3 with an error as --json prints it. "slow": waits for SIGTERM, then status
-/// 75; done when it is
-/// resumed. "killed", "early": end by SIGKILL or by SIGTERM. "meets":
-/// leaves a file met.txt where another of its kind works at the same time. Each start is a line of starts.txt: the room
-/// and --resume or --overwrite.
+/// 75; done when it is resumed. "killed", "early": end by SIGKILL or by SIGTERM. "meets": leaves a file met.txt where
+/// another of its kind works at the same time. Each start is a line of starts.txt: the room and --resume or
+/// --overwrite.
 inline constexpr const char* kFakeProgram = R"(#!/bin/sh
 source=$(basename "$2")
 while [ $# -gt 0 ]; do

@@ -1,12 +1,10 @@
 // The lease of a room tells which worker has it. It is a file that its holder touches now and then. Workers on any
-// number of machines
-// need nothing but a folder that they share.
+// number of machines need nothing but a folder that they share.
 //
 // Leases of one room are numbered: ROOM.1, ROOM.2, ... The highest one counts. Whoever takes a room creates the next
-// number with O_EXCL,
-// so that one of several takers wins. A stale lease is taken over in the same way. Others never rename or remove a
-// lease that
-// counts. Ages are differences of times that the file system itself gives, so that clocks of machines may differ.
+// number with O_EXCL, so that one of several takers wins. A stale lease is taken over in the same way. Others never
+// rename or remove a lease that counts. Ages are differences of times that the file system itself gives, so that clocks
+// of machines may differ.
 #pragma once
 
 #include <cstdint>

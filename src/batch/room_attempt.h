@@ -21,8 +21,7 @@ struct AttemptOptions {
 };
 
 /// The words of the command for a room: `aligngs run` or `aligngs demo`, resumed where a run with the same inputs is
-/// there, else
-/// from its start.
+/// there, else from its start.
 std::vector<std::string> room_command(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, bool resume,
                                       const AttemptOptions& options);
 

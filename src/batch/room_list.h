@@ -31,8 +31,7 @@ struct RoomEntry {
 };
 
 /// Both: Error{kBadInput} for a list without rooms. Error{kBadInput} with the line for a wrong name, a name given
-/// twice, a missing source,
-/// and an option that the batch sets itself.
+/// twice, a missing source, and an option that the batch sets itself.
 std::vector<RoomEntry> parse_room_table(std::string_view text, const std::filesystem::path& name_for_errors);
 std::vector<RoomEntry> parse_room_toml(std::string_view text, const std::filesystem::path& name_for_errors);
 

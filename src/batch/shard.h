@@ -21,8 +21,7 @@ Shard parse_shard(const std::string& text);
 /// The shard of SLURM_ARRAY_TASK_ID, JOB_COMPLETION_INDEX or AWS_BATCH_JOB_ARRAY_INDEX, in this order. `get` reads a
 /// variable: null without it.
 /// Numbers are 0 to count - 1 where `count` is given. Without it (0) Slurm's and AWS's variables tell first number,
-/// step and count, and
-/// Kubernetes tells none. Error{kUsage} for values that do not go together.
+/// step and count, and Kubernetes tells none. Error{kUsage} for values that do not go together.
 Shard shard_from_environment(const std::function<const char*(const char*)>& get, int count);
 
 /// Every count-th room from the index-th, so that neighbours in the list, which tend to be alike, go to different

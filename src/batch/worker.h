@@ -29,9 +29,8 @@ struct WorkerSummary {
 };
 
 /// Works until no room of `rooms` is left, or until a signal asks to stop: its rooms then write their checkpoints
-/// first. A failed room does
-/// not end the work. Rooms of another worker are left to it where its lease is seen to be renewed, and taken over where
-/// it is not.
+/// first. A failed room does not end the work. Rooms of another worker are left to it where its lease is seen to be
+/// renewed, and taken over where it is not.
 WorkerSummary work_on(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms,
                       const WorkerOptions& options);
 

@@ -1,6 +1,5 @@
 // `aligngs data check SCENE`: what is wrong with a data set, per file, before hours are spent. `aligngs data simulate
-// SCENE`: a capture
-// as a network would see it.
+// SCENE`: a capture as a network would see it.
 #include <CLI/App.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>

@@ -61,9 +61,8 @@ class PageServer {
 std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const std::filesystem::path& run,
                                                 const std::filesystem::path& scene, int threads);
 /// Does the work of a command beside its page, then tells the address again and serves until Ctrl-C. A training that
-/// was
-/// stopped from the page leaves the page too; the error (kInterrupted) follows at Ctrl-C. Without a server: the work
-/// alone.
+/// was stopped from the page leaves the page too; the error (kInterrupted) follows at Ctrl-C. Without a server: the
+/// work alone.
 void work_beside_page(const std::unique_ptr<PageServer>& server, const std::function<void()>& work);
 
 }  // namespace aligngs

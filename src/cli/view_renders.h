@@ -20,8 +20,7 @@ class ViewRenders {
   }
 
   /// "<view>/<kind>.png" with kind rgb, depth, normal or label -> the picture, as `aligngs render` draws it. Nothing
-  /// for
-  /// other names. Error{kUsage} while a process works on the run.
+  /// for other names. Error{kUsage} while a process works on the run.
   std::optional<GetAnswer> picture(const std::string& name);
 
   /// Adds GET /api/render/. This must outlive the server.

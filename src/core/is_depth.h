@@ -6,8 +6,7 @@
 namespace aligngs {
 
 /// True for a depth that was measured: finite and in front of the camera. Zero, negative, infinite and NaN values mean
-/// "no
-/// depth" in every map.
+/// "no depth" in every map.
 template <class Real>
 bool is_depth(Real z) {
   return std::isfinite(z) && z > 0;

@@ -25,8 +25,7 @@ inline constexpr uint32_t kOwnSlots = 16;
 inline constexpr int kRowWarps = 8;
 
 /// Slots of a semantic row that its warp adds up alone; beyond, the whole block does. A slot is read in one go by a
-/// warp,
-/// so the bound is higher than kOwnSlots.
+/// warp, so the bound is higher than kOwnSlots.
 inline constexpr uint32_t kWarpSlots = 64;
 
 /// Rectangles of more tiles than this are written by a whole warp instead of one thread.

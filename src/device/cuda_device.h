@@ -46,9 +46,7 @@ inline constexpr int kLeastCapability = 8;
 
 /// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes, if it `auto_takes_a_device`, the one with most
 /// memory among those that run the kernels, else the CPU, with a message that says why. Throws Error{kUsage} for any
-/// other
-/// text and Error{kResources} when cuda:N is not there, too old, or one
-/// that this build has no kernels for.
+/// other text and Error{kResources} when cuda:N is not there, too old, or one that this build has no kernels for.
 DeviceChoice choose_device(const std::string& request, const CudaDevices& devices,
                            bool auto_takes_a_device = kAutoTakesADevice);
 

@@ -40,8 +40,7 @@ DeviceMemory memory_of_current_device();
 void* allocate(uint64_t bytes);
 void release(void* memory) noexcept;  ///< waits for the work that uses it
 /// For memory that is given out in pieces: nothing on a device. Emulated, in the stream's order: withheld memory is
-/// filled
-/// with 0xFF again, and a sanitizer reports who touches it before it is handed out.
+/// filled with 0xFF again, and a sanitizer reports who touches it before it is handed out.
 void withhold(void* memory, uint64_t bytes) noexcept;
 void hand_out(void* memory, uint64_t bytes) noexcept;
 void* allocate_pinned(uint64_t bytes);

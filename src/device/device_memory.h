@@ -16,8 +16,7 @@ struct CUstream_st;
 namespace aligngs::cuda {
 
 /// One device, one stream, one budget. Everything of an engine happens in order on the stream. Whatever allocates,
-/// copies
-/// or launches through a context works on its device, from any thread.
+/// copies or launches through a context works on its device, from any thread.
 class DeviceContext {
  public:
   static constexpr const char* kRemedyOfTraining =

@@ -11,8 +11,8 @@
 namespace aligngs {
 
 /// Writes the list, whose changes have been written before: from here on the run has these edits. Then removes the
-/// files in
-/// RUN/edits/ that the list does not name, which also takes the copies of the room that earlier programs kept there.
+/// files in RUN/edits/ that the list does not name, which also takes the copies of the room that earlier programs kept
+/// there.
 void commit_edits(const std::filesystem::path& run, const std::vector<EditOperation>& edits);
 
 /// Index of the edit that `number` means: 1 is the oldest, 0 the latest. Error{kUsage} when there is none.
@@ -27,9 +27,9 @@ std::vector<EditOperation> take_latest(std::vector<EditOperation>& edits, size_t
 std::vector<EditOperation> undo_latest_in_files(const std::filesystem::path& run, size_t count, double patience);
 
 /// Takes an edit back without opening the run: its entry and its file go. Possible when the edits after it stay what
-/// they
-/// are (edit_independence.h). Returns what it was, or nothing when the run must be opened for it (EditSession::undo);
-/// nothing has changed then. Waits as EditLock does. Errors as index_of_edit's, and those of the files.
+/// they are (edit_independence.h). Returns what it was, or nothing when the run must be opened for it
+/// (EditSession::undo); nothing has changed then. Waits as EditLock does. Errors as index_of_edit's, and those of the
+/// files.
 std::optional<EditOperation> undo_in_files(const std::filesystem::path& run, size_t number, double patience);
 
 }  // namespace aligngs

@@ -1,6 +1,5 @@
 // Edits of a run: the list in edits.json, what each did to the room, and how both change. The command line and the page
-// call
-// the same functions.
+// call the same functions.
 #pragma once
 
 #include <filesystem>
@@ -36,9 +35,8 @@ struct BeforeAfter {
 class EditSession {
  public:
   /// Opens a run and applies what its edits did. An edit whose change is not there, or was made on another training of
-  /// the
-  /// run, is carried out again by its words. Error{kBadInput} when the folder is no run, nothing has been trained, or
-  /// edits.json is damaged.
+  /// the run, is carried out again by its words. Error{kBadInput} when the folder is no run, nothing has been trained,
+  /// or edits.json is damaged.
   EditSession(const std::filesystem::path& run, const EditSessionOptions& options);
   /// Edits of a run that is open, with its cameras placed. options.scene has no part in it.
   EditSession(SharedRun run, const EditSessionOptions& options);
@@ -78,8 +76,7 @@ class EditSession {
   EditRequest understand(std::string_view text) const;
   /// Writes the room with the stack and one more edit as a run of its own, and returns what the edit did. `out` must
   /// be absent or an empty folder (Error{kUsage}); it appears complete or not at all. Error{kBadInput} for a run
-  /// without
-  /// checkpoints: the new run could not be rendered.
+  /// without checkpoints: the new run could not be rendered.
   EditReport write_run(const std::filesystem::path& out, const EditOperation& edit, const std::string& command_line);
 
  private:

@@ -59,8 +59,7 @@ float largest_reach(const GaussianModel& model, size_t i, float floor, float sig
 }
 
 /// Adds the votes of Gaussians to the points of a tree. Blocks are looked up in parallel and added one after the other,
-/// so
-/// that the sums are the same for any number of threads.
+/// so that the sums are the same for any number of threads.
 void add_votes(const std::vector<Ellipsoid>& gaussians, const PointTree& tree, double sign, ThreadPool& pool,
                std::vector<double>& balance) {
   constexpr size_t kGrain = 256, kRound = 64;  // Gaussians of a block, blocks at a time

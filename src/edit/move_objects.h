@@ -11,8 +11,7 @@
 namespace aligngs {
 
 /// The motion of the selected Gaussians in the world. Error{kBadInput} when the room does not tell which way is up,
-/// when
-/// no camera is known, or when the cameras are right above the objects.
+/// when no camera is known, or when the cameras are right above the objects.
 Similarity motion_in_world(const EditableRoom& room, const std::vector<uint8_t>& selected, const ObjectMotion& motion);
 
 /// How far to the right a copy is beside its original: the width of the box, and a gap. Errors as motion_in_world's.

@@ -9,8 +9,7 @@
 namespace aligngs {
 
 /// The scene's up; where scene.json has none, what the Gaussians labelled as floor, the scene's points and its cameras
-/// say
-/// (scene/up_direction.h). Empty when they say nothing.
+/// say (scene/up_direction.h). Empty when they say nothing.
 std::optional<Vec3d> up_of_room(const Scene& scene, const LabelledGaussians& gaussians);
 
 }  // namespace aligngs

@@ -130,8 +130,7 @@ void add_drawn(const LabelledGaussians& room, const SelectionQuery& query, const
 }
 
 /// Rows in the box around the marked ones, which is `reach` wider. Others do not join a selection: what is that far
-/// from it
-/// has no neighbours of its own.
+/// from it has no neighbours of its own.
 std::vector<uint32_t> rows_around(const std::vector<Vec3f>& points, const std::vector<uint8_t>& marked, float reach) {
   Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   for (size_t i = 0; i < points.size(); ++i) {

@@ -89,8 +89,7 @@ class Engine {
   virtual void load(const GaussianModel& model) = 0;  ///< resets moments and statistics
   virtual void store(GaussianModel& model) const = 0;
   /// Positions, scales, rotations and opacities alone, the other arrays empty: what density control and pruning decide
-  /// on. With 150 classes
-  /// they are a twentieth of the model.
+  /// on. With 150 classes they are a twentieth of the model.
   virtual void store_shapes(GaussianModel& model) const = 0;
   virtual void save_state(EngineState& state) const = 0;
   virtual void load_state(const EngineState& state) = 0;
@@ -115,8 +114,7 @@ class Engine {
   virtual void reset_opacity(float maximum) = 0;
 
   /// The two larger scales of row i become at least exp(log_floors[i]) (formulas/shape_terms.h); moments stay.
-  /// Error{kFailed} for
-  /// another number of floors than rows.
+  /// Error{kFailed} for another number of floors than rows.
   virtual void raise_scales(const std::vector<float>& log_floors) = 0;
 
   /// Moves positions as formulas/position_noise.h says; moments stay.

@@ -1,6 +1,5 @@
 // Growth as in 3DGS-MCMC (Kheradmand et al., NeurIPS 2024): dead Gaussians move to where opaque ones are, and their
-// number rises to a
-// cap. An alternative to density_control.h.
+// number rises to a cap. An alternative to density_control.h.
 #pragma once
 
 #include <cstddef>
@@ -25,10 +24,8 @@ struct SharedShape {
 SharedShape shared_shape(double opacity, int copies);
 
 /// Dead rows go; as many copies, and 5 % of new ones, of living rows drawn in proportion to their opacity come behind.
-/// Rows
-/// that were drawn change with their copies and lose their moments. Random numbers are drawn only for copies. No living
-/// row:
-/// everything stays.
+/// Rows that were drawn change with their copies and lose their moments. Random numbers are drawn only for copies. No
+/// living row: everything stays.
 RestructurePlan plan_mcmc_growth(const GaussianModel& model, const McmcRule& rule, Random& random);
 
 }  // namespace aligngs

@@ -17,8 +17,7 @@ inline constexpr int kMortonBits = 21;
 uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z);
 
 /// Puts the rows of a plan in the order of the Morton codes of their new positions in the cube around all of them.
-/// Equal
-/// codes keep their order; positions that are not finite come last.
+/// Equal codes keep their order; positions that are not finite come last.
 void sort_by_morton(const GaussianModel& model, RestructurePlan& plan);
 
 /// The same for the rows of a model.

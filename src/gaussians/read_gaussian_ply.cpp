@@ -54,8 +54,7 @@ class GaussianColumns {
     }
   }
   /// Copies what is wanted from rows of scalar numbers, little-endian. A block of rows stays in the cache while its
-  /// columns
-  /// are taken out.
+  /// columns are taken out.
   void copy_rows(std::string_view rows) const {
     constexpr size_t kBlock = 256;  // rows
     size_t row_bytes = 0;

@@ -46,10 +46,8 @@ struct ColmapModel {
 };
 
 /// Reads cameras, images, points3D from a folder; .bin is preferred over .txt, each file by itself, and a points3D.ply
-/// counts
-/// where there is neither. Points may be absent. Entries that cannot be used go to `left_out`; unknown camera models,
-/// missing
-/// and truncated files are Error{kBadInput} with file and field.
+/// counts where there is neither. Points may be absent. Entries that cannot be used go to `left_out`; unknown camera
+/// models, missing and truncated files are Error{kBadInput} with file and field.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
                                  const std::filesystem::path& folder_for_errors);

@@ -35,8 +35,7 @@ Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path&
 Image<uint8_t> read_stored_image(const std::filesystem::path& path);
 Image<uint8_t> decode_stored_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
 /// The file with the same pixels stored and EXIF orientation 1, so that every program sees the stored pixels. A JPEG
-/// keeps
-/// all its other bytes, others are written anew as PNG.
+/// keeps all its other bytes, others are written anew as PNG.
 std::string without_orientation(std::string bytes, const std::filesystem::path& name_for_errors);
 /// Whether browsers and programs of photogrammetry read it: PNG, and JPEG that is not CMYK. Scenes hold nothing else.
 bool is_common_picture(std::string_view bytes, const std::filesystem::path& name_for_errors);

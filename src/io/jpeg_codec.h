@@ -27,8 +27,7 @@ struct JpegHeader {
 JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path& name);
 
 /// RGB as stored, orientation not applied; CMYK is multiplied out, without its colour profile. A file without its end
-/// is Error{kBadInput}, never a grey
-/// rest.
+/// is Error{kBadInput}, never a grey rest.
 Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& name);
 std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality);
 /// The same file with an EXIF segment of this content (at most 65533 bytes) at its beginning.

@@ -8,8 +8,7 @@
 namespace aligngs {
 
 /// One line, without a line break at its end. Bytes that are no UTF-8 (the name of a file may have them) become U+FFFD,
-/// numbers that
-/// are not finite null.
+/// numbers that are not finite null.
 std::string json_line(const nlohmann::json& value);
 std::string json_line(const nlohmann::ordered_json& value);
 

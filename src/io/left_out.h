@@ -29,8 +29,7 @@ std::string summary_of(size_t kept, const std::vector<LeftOut>& left_out, const 
 void warn_left_out(size_t kept, const std::vector<LeftOut>& left_out, const char* what = "frames");
 
 /// Error{kBadInput} with the summary when fewer than `fewest` are kept and some were left out, or when `strict` is set
-/// and one
-/// was left out. The remedy is that of the first.
+/// and one was left out. The remedy is that of the first.
 void require_enough(const std::filesystem::path& folder, size_t kept, const std::vector<LeftOut>& left_out,
                     size_t fewest, bool strict, const char* what = "frames");
 

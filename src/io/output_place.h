@@ -11,14 +11,12 @@ namespace aligngs {
 std::filesystem::path real_place(const std::filesystem::path& path);
 
 /// Whether `path` is `folder` or lies in it, by what the file system says: links, "..", folders that are mounted twice.
-/// A path that is
-/// not there yet lies where its nearest parent that is there lies. `folder` may be a file, in which only the file
-/// itself lies.
+/// A path that is not there yet lies where its nearest parent that is there lies. `folder` may be a file, in which only
+/// the file itself lies.
 bool lies_within(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 /// Error{kUsage} when writing `output` would write into one of the sources or over it: it is one, lies in one, or holds
-/// one. Empty
-/// paths among the sources are left out.
+/// one. Empty paths among the sources are left out.
 void require_apart(const std::filesystem::path& output, const std::vector<std::filesystem::path>& sources);
 
 /// Error{kUsage} unless `file` is absent, a regular file or a link to one. Files appear by a rename, which would remove a

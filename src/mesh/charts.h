@@ -18,8 +18,7 @@ std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<u
                                    const AtlasSettings& settings);
 
 /// Calls body(x, y, weights of the corners) for the centres of the cells of a grid of one that lie in a triangle, or
-/// nearer to it
-/// than `margin`.
+/// nearer to it than `margin`.
 template <class Body>
 void for_cells(const std::array<std::array<double, 2>, 3>& c, double margin, Body&& body);
 

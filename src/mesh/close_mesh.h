@@ -14,8 +14,7 @@ struct ClosingReport {
 };
 
 /// Edges along which not as many triangles run in one direction as in the other. Without them the mesh is watertight.
-/// Vertices at the
-/// same place are one.
+/// Vertices at the same place are one.
 size_t open_edges(const TriangleMesh& mesh);
 
 /// Closes the borders of an oriented mesh. Vertices at the same place become one. Ears are cut off each border, the

@@ -16,8 +16,7 @@ constexpr uint32_t kNoRow = 0xffffffffu;
 uint64_t key_of(uint32_t from, uint32_t to) { return uint64_t(from) << 32 | to; }
 
 /// For each vertex the next one along the border, against the direction of the border's triangles, so that fillings are
-/// oriented as
-/// the mesh is. Vertices where borders meet are left out.
+/// oriented as the mesh is. Vertices where borders meet are left out.
 std::vector<uint32_t> border_steps(const TriangleMesh& mesh) {
   std::unordered_set<uint64_t> directed;
   directed.reserve(3 * mesh.triangles.size());

@@ -11,9 +11,8 @@ struct NormalSmoothingOptions {
   /// normals beside the depth.
   double length = 4;
   /// Log units of depth. Neighbours whose step differs by more from what the normals say belong to different surfaces:
-  /// 2.5 cm at
-  /// 2.5 m. With twice that, thin things melt into what they lie on (development bedroom: recall at 5 cm 0.945 instead
-  /// of 0.952).
+  /// 2.5 cm at 2.5 m. With twice that, thin things melt into what they lie on (development bedroom: recall at 5 cm
+  /// 0.945 instead of 0.952).
   double jump = 0.01;
   /// Log units. A pixel that the smooth surface leaves by more pulls no harder than one that it leaves by so much
   /// (Huber).

@@ -22,12 +22,10 @@ struct SimplifyReport {
 };
 
 /// Simplifies parts together that touch each other: pieces of one surface, cut along borders where the vertices of two
-/// parts have
-/// the same place. A border is collapsed along itself only, on both sides at once, so that parts keep their shapes and
-/// no gap
-/// opens. Places where three parts meet stay. Vertices of one part at the same place with nearly the same normal become
-/// one. Those that are left keep their place and attributes; unused ones go.
-/// Error{kUsage} without a limit.
+/// parts have the same place. A border is collapsed along itself only, on both sides at once, so that parts keep their
+/// shapes and no gap opens. Places where three parts meet stay. Vertices of one part at the same place with nearly the
+/// same normal become one. Those that are left keep their place and attributes; unused ones go. Error{kUsage} without a
+/// limit.
 SimplifyReport simplify_parts(const std::vector<TriangleMesh*>& parts, const SimplifyLimits& limits);
 
 }  // namespace aligngs

@@ -12,10 +12,8 @@
 namespace aligngs {
 
 /// Plane depth is the smooth one, for it averages planes; where planes of two surfaces are averaged, it lies on
-/// neither. Median depth
-/// is always on a surface, but on that of a single Gaussian. So plane depth where both agree to `agreement` (relative),
-/// else median
-/// depth. H x W, 0 where there is none.
+/// neither. Median depth is always on a surface, but on that of a single Gaussian. So plane depth where both agree to
+/// `agreement` (relative), else median depth. H x W, 0 where there is none.
 ImageF agreeing_depth(const ImageF& plane, const ImageF& median, double agreement);
 
 struct StructuralPlanes {

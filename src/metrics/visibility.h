@@ -43,8 +43,7 @@ class RayScene {
   /// Whether the segment from `eye` to `point`, shortened by `tolerance` (units) at the point, meets no surface.
   bool sees(const Vec3d& eye, const Vec3d& point, double tolerance) const;
   /// The surface point that is nearest to `point`, if one lies within `reach` (units, > 0). Degenerate triangles count
-  /// as
-  /// the segments or points that they are.
+  /// as the segments or points that they are.
   std::optional<SurfacePoint> nearest(const Vec3d& point, double reach) const;
 
  private:

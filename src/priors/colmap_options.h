@@ -16,8 +16,7 @@ class ColmapOptions {
 
   bool knows(const std::string& name) const { return names_.count(name) > 0; }
   /// Adds "--NAME VALUE" under the first of `names` that the program knows; the last name, the oldest, when its help
-  /// listed no
-  /// option at all. An option under no known name is left to the program's default.
+  /// listed no option at all. An option under no known name is left to the program's default.
   void add(std::vector<std::string>& arguments, std::initializer_list<const char*> names,
            const std::string& value) const;
 

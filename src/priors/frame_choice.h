@@ -28,8 +28,7 @@ class FrameMeter {
 };
 
 /// Indices of at most `count` frames, in order. The way of the camera (change, and time for a quarter) is cut into
-/// `count`
-/// equal pieces; the sharpest frame of each is taken. All frames when there are not more than `count`.
+/// `count` equal pieces; the sharpest frame of each is taken. All frames when there are not more than `count`.
 std::vector<size_t> choose_frames(const std::vector<FrameFeatures>& frames, size_t count);
 
 }  // namespace aligngs

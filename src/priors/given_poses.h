@@ -25,9 +25,8 @@ struct GivenPoses {
 };
 
 /// The photos are found below `photos` by the rules of PhotoLookup. A camera may be for another size of the same
-/// aspect; EXIF
-/// orientation is left alone where the stored pixels fit it (photo_fit.h). `listed`: the photos that should have a
-/// camera.
+/// aspect; EXIF orientation is left alone where the stored pixels fit it (photo_fit.h). `listed`: the photos that
+/// should have a camera.
 GivenPoses read_given_poses(const std::filesystem::path& cameras, const std::filesystem::path& photos,
                             const std::vector<Photo>& listed);
 

@@ -1,6 +1,5 @@
 // Metres for cameras and depth of arbitrary units: what a network of one photo says of each photo, and one scale for
-// the
-// room.
+// the room.
 //
 // The scale is an estimate. Photos that disagree widen its spread, and up to half of them may be wrong.
 #pragma once

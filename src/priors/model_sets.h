@@ -23,8 +23,7 @@ const ModelSet* find_model_set(const std::string& name);
 std::vector<const PublishedModel*> models_of(const std::vector<std::string>& names);
 
 /// Operations of one photo (2 per multiply-add), 10^12: a 4:3 photo of a set of 20, in windows where the network has
-/// them. 0: of
-/// no network that is run on photos one by one or together. Source: counted from the published structures.
+/// them. 0: of no network that is run on photos one by one or together. Source: counted from the published structures.
 double tera_operations_per_photo(const std::string& model);
 
 }  // namespace aligngs

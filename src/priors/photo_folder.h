@@ -24,9 +24,8 @@ struct PhotoList {
 };
 
 /// Pictures (io/picture_format.h) of the folder, in natural order (2 before 10). If it holds none, those of its
-/// images/,
-/// else of all its subfolders but masks/. Error{kBadInput}: fewer than two photos that can be used. Pictures in formats
-/// that are not read (TIFF, raw, ...) are named in the error or in `unread`.
+/// images/, else of all its subfolders but masks/. Error{kBadInput}: fewer than two photos that can be used. Pictures
+/// in formats that are not read (TIFF, raw, ...) are named in the error or in `unread`.
 PhotoList list_photos(const std::filesystem::path& folder);
 /// The same for photos that cameras name: hidden files may be among them, so that fewer are no error.
 PhotoList list_named_photos(const std::filesystem::path& folder);

@@ -38,8 +38,7 @@ struct ScenePhotosOptions {
   bool shared_focal = false;
   bool camera_from_rays = false;  ///< Depth Anything 3
   /// Depth Anything 3: name of the network that tells metres; empty: none. With metric_model_needed false it is left
-  /// out where
-  /// its weights are not installed.
+  /// out where its weights are not installed.
   std::string metric_model = "da3metric-large";
   bool metric_model_needed = false;
   size_t max_points = 250000;  ///< of the cloud
@@ -77,10 +76,8 @@ CheckedPhotos check_photos(const std::filesystem::path& photos, const std::files
 
 /// `photos`: a folder, or a video, whose frames become photos (priors/video_frames.h).
 /// Error{kUsage} when the scene exists, or for a video with given cameras. Error{kWeights} when the network's weights
-/// are
-/// missing. Error{kResources} when memory is too small. Error{kBadInput}, with a reason per photo, when fewer than
-/// three
-/// photos or fewer than half could be placed.
+/// are missing. Error{kResources} when memory is too small. Error{kBadInput}, with a reason per photo, when fewer than
+/// three photos or fewer than half could be placed.
 ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos, const std::filesystem::path& scene,
                                          const ModelStore& store, const ScenePhotosOptions& options);
 

@@ -29,10 +29,8 @@ struct ExposureSettings {
 };
 
 /// Logarithms of red, green and blue gains in linear light, one per view, their mean 0. From each pair the median ratio
-/// of
-/// light over what both see; from all pairs the gains by least squares. A photo that is compared with none, or lacks
-/// depth,
-/// gets zeros. Deterministic for any number of threads.
+/// of light over what both see; from all pairs the gains by least squares. A photo that is compared with none, or lacks
+/// depth, gets zeros. Deterministic for any number of threads.
 std::vector<Vec3f> estimate_log_gains(const std::vector<ExposureView>& views, const ExposureSettings& settings,
                                       ThreadPool& pool);
 

@@ -21,10 +21,8 @@ struct FusedLabels {
 };
 
 /// Each photo that shows a pixel's place has one vote, the pixel's own among them. The photo's own class wins a tie
-/// that it is part of,
-/// the smallest class any other. Pixels without depth keep their own; photos without labels stay without and have no
-/// vote.
-/// Deterministic for any number of threads.
+/// that it is part of, the smallest class any other. Pixels without depth keep their own; photos without labels stay
+/// without and have no vote. Deterministic for any number of threads.
 std::vector<FusedLabels> fuse_labels(const std::vector<PlaneView>& views, const LabelFusionSettings& settings,
                                      ThreadPool& pool);
 

@@ -23,8 +23,7 @@ struct CorrectionLevel {
 };
 
 /// Half the resolution: what four pixels know together, on the depth of one of them, so that jumps stay jumps. The sum
-/// of
-/// squared differences between neighbours is the same at every resolution; what belongs to single pixels adds up.
+/// of squared differences between neighbours is the same at every resolution; what belongs to single pixels adds up.
 CorrectionLevel half_of(const CorrectionLevel& fine) {
   const int width = (fine.depth.width + 1) / 2, height = (fine.depth.height + 1) / 2;
   CorrectionLevel out{ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), {}, 4 * fine.none};

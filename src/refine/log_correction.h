@@ -16,9 +16,8 @@ struct LogCorrectionSettings {
 };
 
 /// The field g (H x W, log units) that minimises sum w (g - given)^2 + smoothness sum (g - g')^2 + none sum g^2 over
-/// the
-/// pixels with prior depth; 0 elsewhere. `given`, `weight` (>= 0) and `luma` are H x W; without luma its
-/// edges mean nothing.
+/// the pixels with prior depth; 0 elsewhere. `given`, `weight` (>= 0) and `luma` are H x W; without luma its edges mean
+/// nothing.
 ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight,
                              const LogCorrectionSettings& settings, const ImageF& luma = {});
 

@@ -18,8 +18,7 @@ struct MatchCovariance {
 MatchCovariance match_covariance(const std::array<double, 9>& scores, size_t pixels);
 
 /// Lower triangular W with W'W the inverse of the covariance with `deviation` (pixels) added in every direction: W e
-/// has unit
-/// covariance. {xx, yx, yy}.
+/// has unit covariance. {xx, yx, yy}.
 std::array<double, 3> whitening(const MatchCovariance& covariance, double deviation);
 
 }  // namespace aligngs

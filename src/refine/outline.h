@@ -48,8 +48,8 @@ struct OutlineAgreement {
 };
 
 /// Takes outline points of one photo onto a plane and from there into another photo, and looks for edges there that run
-/// and rise alike. `gradient`
-/// is that of the other photo. A plane behind either camera, or seen from its other side by one of them: nothing.
+/// and rise alike. `gradient` is that of the other photo. A plane behind either camera, or seen from its other side by
+/// one of them: nothing.
 OutlineAgreement agreement(const std::vector<OutlinePoint>& outline, const Camera& camera, const WorldPlane& plane,
                            const Camera& other, const ImageF& gradient, const OutlineSettings& settings);
 

@@ -68,8 +68,7 @@ double mean_proud(const std::vector<PlanePoint>& points, const Indices& near, co
 }
 
 /// Robust (Cauchy) total least squares from a first guess, with the points that are near it. Proud points count for the
-/// plane
-/// behind them.
+/// plane behind them.
 ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane,
                   const PlaneSettings& s) {
   const std::vector<double> base = fit_weights(points, near, s);

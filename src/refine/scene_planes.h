@@ -44,8 +44,7 @@ struct PlaneSettings {
   double merge_angle = 8;        ///< degrees; planes of a kind this parallel
   double merge_distance = 0.04;  ///< and this near, relative to the depth of their points, are one
   /// A network's depth of one photo is bent: its points on one plane are wrong together. They count as so many
-  /// independent
-  /// ones with this relative error.
+  /// independent ones with this relative error.
   double prior_sigma = 0.02;
   double prior_independent = 4;
   double measured_sigma = 0.008;  ///< relative error of what stereo measured with certainty 1

@@ -26,8 +26,8 @@ struct ScreenRegion {
 };
 
 /// The connected regions of PanelClass::kScreen of a photo, in the order of their first pixels. Those that are small,
-/// have few edges along their
-/// outline, or have no depth at half of their pixels are left out. `gradient` is that of the photo's luma.
+/// have few edges along their outline, or have no depth at half of their pixels are left out. `gradient` is that of the
+/// photo's luma.
 std::vector<ScreenRegion> screen_regions(const PlaneView& view, size_t index, const ImageF& gradient,
                                          const std::vector<PanelClass>& classes, const ScreenRegionSettings& settings);
 

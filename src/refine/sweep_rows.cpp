@@ -12,8 +12,7 @@ namespace {
 constexpr float kFlatShare = 0.25f;  // of the least variance: the other photo may be darker, not featureless
 
 // No branches: every pixel is computed, and those that do not count are multiplied away. Places are kept inside of the
-// photo
-// first, so that what is read is always there. The compiler believes only of parameters that they do not overlap.
+// photo first, so that what is read is always there. The compiler believes only of parameters that they do not overlap.
 ALIGNGS_TARGET_CLONES
 void warp_pixels(const WarpedRow& row, const float* __restrict dx, const float* __restrict dy,
                  const float* __restrict dz, const float* __restrict depth, const float* __restrict own,

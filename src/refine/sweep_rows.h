@@ -39,8 +39,7 @@ struct ScoreRule {
 };
 
 /// Normalised cross-correlation in [-1, 1] from sums over windows; 0 where the other photo is flat. A pixel that does
-/// not
-/// count itself (pixel_count 0) has none.
+/// not count itself (pixel_count 0) has none.
 void score_row(const WindowTerms& sums, const float* pixel_count, const ScoreRule& rule, int count, float* scores);
 
 /// The larger of both goes to best, the smaller stays in scores.

@@ -98,8 +98,7 @@ bool near(const Vec2d& a, const Vec2d& b, double least) {
 }
 
 /// Closed chains of edges with the inside on their left. At a corner where two parts of the inside touch, the sharpest
-/// turn to the left
-/// keeps them apart.
+/// turn to the left keeps them apart.
 std::vector<std::vector<Edge>> chains_of(std::vector<Edge> edges, double least) {
   std::vector<std::vector<Edge>> out;
   while (!edges.empty()) {

@@ -13,8 +13,7 @@ class RoomInside {
   /// The outline and the ceiling of room.json.
   static RoomInside of_room(const MeasuredRoom& room);
   /// The upright box around `points` (world) with the smallest floor, without the outer 2 % on each side.
-  /// Error{kBadInput}
-  /// for fewer than 16 points. `up`: unit, world.
+  /// Error{kBadInput} for fewer than 16 points. `up`: unit, world.
   static RoomInside of_points(const std::vector<Vec3d>& points, const Vec3d& up);
 
   /// Points (world) of what a camera at `height` cannot go through.

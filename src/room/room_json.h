@@ -22,8 +22,7 @@ void write_room(const std::filesystem::path& file, const MeasuredRoom& room);
 double write_scale(const std::filesystem::path& file, const MeasuredRoom& before, const MeasuredRoom& after);
 
 /// Reads what write_room() wrote. Error{kBadInput} for a file that is none, is of a later schema, or holds walls that
-/// are not closed and numbers
-/// that are not finite.
+/// are not closed and numbers that are not finite.
 MeasuredRoom read_room(const std::filesystem::path& file);
 
 }  // namespace aligngs

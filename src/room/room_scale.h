@@ -15,8 +15,7 @@ enum class KnownSide { kWidth, kHeight, kDepth, kLength };
 double measured_side(const MeasuredRoom& room, const std::string& name, KnownSide side);
 
 /// The room with lengths such that `measured` becomes `metres`. Error{kUsage} unless both are positive and finite, and
-/// the scale changes by less than a
-/// factor of a million.
+/// the scale changes by less than a factor of a million.
 MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres);
 
 /// scaled_to() the distance of two places of the scene, as in scene.ply.

@@ -16,8 +16,8 @@ struct SeenRay {
 };
 
 /// Every `stride`-th pixel with depth, transformed by `to_room`. With `edge` > 0 a pixel within so many pixels of
-/// another class has no
-/// label: outlines of labels are wrong by so much. Pixels without finite positive depth are left out.
+/// another class has no label: outlines of labels are wrong by so much. Pixels without finite positive depth are left
+/// out.
 std::vector<SeenRay> seen_rays(const std::vector<PlaneView>& views, const Similarity& to_room, int stride, int edge);
 
 }  // namespace aligngs

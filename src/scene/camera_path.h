@@ -24,8 +24,7 @@ struct CameraPath {
 };
 
 /// The camera at a time, by cubic Hermite curves through the keys (Catmull-Rom tangents for unequal times). The first
-/// and
-/// the last key hold before and after. A path whose last key is its first one is a loop without a corner.
+/// and the last key hold before and after. A path whose last key is its first one is a loop without a corner.
 CameraKey key_at(const CameraPath& path, double time);
 
 /// The same way in `seconds` > 0. A path of one key stays as it is.

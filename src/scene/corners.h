@@ -26,8 +26,7 @@ double relative_size(const ImageF& luma);
 ImageF luma_of(const ImageF& color);
 
 /// Shi and Tomasi 1994, strongest first, none nearer to another than the spacing; plain walls have none. `mask` (H x W
-/// x 1,
-/// 0 = do not use) may be empty.
+/// x 1, 0 = do not use) may be empty.
 std::vector<Corner> find_corners(const ImageF& luma, const ImageF& mask, const CornerSettings& settings);
 
 }  // namespace aligngs

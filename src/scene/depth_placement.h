@@ -26,8 +26,7 @@ struct DepthPlacementRule {
 };
 
 /// Robust centre: the shortest half of the samples, then twice the median of those within `outlier`. It holds where up
-/// to
-/// half of the samples are other surfaces, all on one side. Nothing for fewer than rule.min_samples.
+/// to half of the samples are other surfaces, all on one side. Nothing for fewer than rule.min_samples.
 std::optional<LogScale> robust_log_scale(std::vector<double> log_ratios, const DepthPlacementRule& rule = {});
 
 enum class PlacedBy {

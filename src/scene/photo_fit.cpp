@@ -10,8 +10,7 @@ namespace {
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
 /// Whether a picture of w x h can be one of camera_w x camera_h resized: the sides differ by one factor. A resized side
-/// is
-/// rounded, so each may be off by one pixel of the smaller picture.
+/// is rounded, so each may be off by one pixel of the smaller picture.
 bool same_aspect(int w, int h, int camera_w, int camera_h) {
   const double scale = static_cast<double>(w) / camera_w;
   const double tolerance = 1 + std::fmax(1.0, scale);  // rounding of both sides, each of at most a pixel

@@ -20,8 +20,7 @@ struct PhotoFit {
 };
 
 /// The stored pixels where they have the camera's size or its aspect (within a pixel of rounding), else the upright
-/// ones
-/// where those do. Empty when neither does.
+/// ones where those do. Empty when neither does.
 std::optional<PhotoFit> fit_photo(const ImageInfo& photo, int camera_width, int camera_height);
 
 /// The same; Error{kBadInput} with both sizes when the photo does not fit.

@@ -28,8 +28,7 @@ std::string view_name_of(const std::string& image_name);
 class PhotoLookup {
  public:
   /// `photos`: the folder that holds them, searched with its subfolders; may be empty. `beside`: a folder to which
-  /// names
-  /// may be relative as well, not searched. `subfolders`: alike, after it, none before the others.
+  /// names may be relative as well, not searched. `subfolders`: alike, after it, none before the others.
   explicit PhotoLookup(std::filesystem::path photos, std::filesystem::path beside = {},
                        std::vector<std::filesystem::path> subfolders = {});
 

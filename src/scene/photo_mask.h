@@ -15,10 +15,8 @@ inline constexpr const char* kMaskFolder = "masks";
 std::filesystem::path find_mask(const std::filesystem::path& photo);
 
 /// The mask for pixels of the photo at width x height, 255 = use, else 0. `upright`: for the photo after EXIF
-/// orientation, else
-/// for its stored pixels. A mask of the aspect of the stored pixels is turned with them; one that fits the upright
-/// photo alone
-/// is used as it is. In a PNG every value but 0 counts; in a JPEG values from 128 do.
+/// orientation, else for its stored pixels. A mask of the aspect of the stored pixels is turned with them; one that
+/// fits the upright photo alone is used as it is. In a PNG every value but 0 counts; in a JPEG values from 128 do.
 /// Error{kBadInput} when the mask has another aspect or cannot be read.
 Image<uint8_t> read_mask(const std::filesystem::path& mask, const std::filesystem::path& photo, bool upright, int width,
                          int height);

@@ -26,8 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// "left/0001.color.png" has the view name "left/0001.color" (up to the last dot) and the short name "left/0001" (up to
-/// the
-/// first dot of the file).
+/// the first dot of the file).
 std::string short_name(const std::string& image_name) {
   const fs::path path(image_name);
   const std::string file = path.filename().string();
@@ -128,8 +127,7 @@ std::vector<std::string> relative_names(const ColmapModel& model) {
 }
 
 /// Finds the photo of a view and brings the camera to its size. A photo that is missing keeps the place where it should
-/// be,
-/// for the check of headers to report.
+/// be, for the check of headers to report.
 void pair_with_photo(const PhotoLookup& photos, const ColmapImage& image, const std::string& name,
                      const fs::path& images, View& view) {
   PhotoLookup::Answer answer = photos.find(image.name);

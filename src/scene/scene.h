@@ -86,20 +86,16 @@ struct Scene {
 };
 
 /// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json. Photos are
-/// found
-/// by PhotoLookup; they may have been resized after the cameras were found.
-/// Without split.json every view is a training view (`default_test_every` > 0: every n-th is a test view).
-/// Views that cannot be used (no finite pose, no photo, a cut file, a map that others have missing) are left out and
-/// listed.
-/// Error{kBadInput} naming file and field where it is not one view, and when fewer than kFewestTrainingViews are left
-/// of more.
-/// Checks names and headers, not pixels; see check_scene.
+/// found by PhotoLookup; they may have been resized after the cameras were found. Without split.json every view is a
+/// training view (`default_test_every` > 0: every n-th is a test view). Views that cannot be used (no finite pose, no
+/// photo, a cut file, a map that others have missing) are left out and listed. Error{kBadInput} naming file and field
+/// where it is not one view, and when fewer than kFewestTrainingViews are left of more. Checks names and headers, not
+/// pixels; see check_scene.
 inline constexpr size_t kFewestTrainingViews = 2;  ///< one has no parallax
 struct SceneOptions {
   int default_test_every = 0;
   /// Leave out views whose image or maps are missing or contradict the scene. false: leave that to check_scene, which
-  /// lists
-  /// all of them (`aligngs data check`).
+  /// lists all of them (`aligngs data check`).
   bool check_headers = true;
 };
 Scene open_scene(const std::filesystem::path& folder, const SceneOptions& options = {});

@@ -16,9 +16,8 @@ inline constexpr const char* kWrittenBy = "written_by";
 inline constexpr const char* kThisProgram = "aligngs";
 
 /// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "up_source": "...",
-/// "source": "...",
-/// "units_estimate": {"model": "...", "spread": s, "photos": n}, "to_original": {"scale": s, "translation": [x, y,
-/// z]}}.
+/// "source": "...", "units_estimate": {"model": "...", "spread": s, "photos": n}, "to_original": {"scale": s,
+/// "translation": [x, y, z]}}.
 struct SceneJson {
   bool metric = false;
   std::optional<UnitsEstimate> units_estimate;  ///< a network guessed the metres

@@ -60,8 +60,7 @@ class SceneWriter {
 
   /// Writes the view's files at once, so that only one view need be in memory. A name that was used before
   /// or that leaves the folder, a file of another size than its camera: Error{kBadInput}. Maps that contradict each
-  /// other, labels above
-  /// 254: Error{kFailed}.
+  /// other, labels above 254: Error{kFailed}.
   void add_view(const SceneViewParts& view);
   /// Writes the rest and puts the folder in its place. Nothing may be called afterwards.
   void finish(const SceneParts& parts);

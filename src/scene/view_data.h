@@ -20,8 +20,7 @@ struct SemanticTarget {
   /// rounding.
   std::vector<uint16_t> probabilities;
   /// One per target pixel: 1 / the sum of its stored numbers, by which they are multiplied wherever they are used.
-  /// Rounding leaves
-  /// that sum up to 5e-4 off 1, which is much beside a KL divergence of equals. Empty: 1 everywhere.
+  /// Rounding leaves that sum up to 5e-4 off 1, which is much beside a KL divergence of equals. Empty: 1 everywhere.
   std::vector<float> scale;
   /// One per target pixel, [0, 1]: the sum of a score teacher's numbers of the pixel, at most 1. It is low where the
   /// network found no object. Logits and probabilities: 1. Empty: 1 everywhere.
@@ -56,8 +55,7 @@ struct LoadOptions {
 };
 
 /// The photo's pixels for the view's camera: as stored where they have its size, else upright (see photo_fit.h).
-/// Whoever pairs
-/// pixels with the camera reads them here.
+/// Whoever pairs pixels with the camera reads them here.
 Image<uint8_t> read_view_photo(const View& view);
 /// The view's mask (photo_mask.h) for these pixels, at width x height; the view has one.
 Image<uint8_t> read_view_mask(const View& view, int width, int height);

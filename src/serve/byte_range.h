@@ -26,8 +26,8 @@ struct AskedRange {
 };
 
 /// `range`: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LAST_COUNT"; empty: no header. `if_range`: the ETag that the
-/// client has; a
-/// range counts only where it is `etag`. Dates there never match, as they do not tell two changes of one second apart.
+/// client has; a range counts only where it is `etag`. Dates there never match, as they do not tell two changes of one
+/// second apart.
 AskedRange asked_range(std::string_view range, std::string_view if_range, std::string_view etag, uint64_t size);
 
 /// Value of Content-Range: "bytes 0-9/100".

@@ -54,8 +54,7 @@ class EditService {
   std::string estimate(const std::string& request);
 
   /// The difference that the edits make to the splats of a file of the run, for a page that has them (edited_scene.h).
-  /// Nothing for other
-  /// names and other rooms than the one that is edited.
+  /// Nothing for other names and other rooms than the one that is edited.
   std::optional<GetAnswer> scene(const std::string& path);
   /// The edited mesh as PLY; nothing when the run has none.
   std::optional<GetAnswer> mesh();

@@ -16,12 +16,10 @@ struct ShownSplats {
 };
 
 /// A gzip stream. A line of JSON is first, {"total", "changed", "added", "changed_columns", "added_columns"}. A bit
-/// follows for
-/// each of the page's `total` splats, lowest first, which tells whether it stays. The places (u32) of the `changed`
-/// ones are
-/// next, then the columns. They are described as in compact_scene.h. The last `added` numbers (u32) are the places that
-/// the new splats were moved from, or 0xffffffff for copies and for what fills a hole. `trained` and `room` are the
-/// same room before and after its edits.
+/// follows for each of the page's `total` splats, lowest first, which tells whether it stays. The places (u32) of the
+/// `changed` ones are next, then the columns. They are described as in compact_scene.h. The last `added` numbers (u32)
+/// are the places that the new splats were moved from, or 0xffffffff for copies and for what fills a hole. `trained`
+/// and `room` are the same room before and after its edits.
 std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, const ShownSplats& shown);
 
 }  // namespace aligngs

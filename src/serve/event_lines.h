@@ -7,8 +7,7 @@
 namespace aligngs {
 
 /// "[{...},{...}]" of the lines that are JSON objects; "[]" when none is. A line that is torn (a writer was killed, a
-/// disk
-/// was full) or nested deeply is left out, and the others stay.
+/// disk was full) or nested deeply is left out, and the others stay.
 std::string event_array(std::string_view lines);
 
 }  // namespace aligngs

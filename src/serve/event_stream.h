@@ -14,13 +14,11 @@ namespace aligngs {
 class EventStream {
  public:
   /// `from`: the byte of events.ndjson at which the page left off, as digits; empty: from the beginning. `server`:
-  /// changes when the
-  /// server is started anew, so that an open page can load itself again.
+  /// changes when the server is started anew, so that an open page can load itself again.
   EventStream(const ServedRun& run, std::string_view from, std::string server);
 
   /// Text to send now: `server` first, then `events` (a JSON array; id: byte offset), `state` (a version) and, after
-  /// ten
-  /// silent seconds, a comment. Empty when there is nothing to tell.
+  /// ten silent seconds, a comment. Empty when there is nothing to tell.
   std::string next(std::chrono::steady_clock::time_point now);
   /// The last text had events, and more may be there: a long history comes in parts.
   bool has_more() const { return has_more_; }

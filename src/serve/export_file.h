@@ -60,10 +60,9 @@ struct RunExport {
 /// scene.export.labels.ply: those without "export" are the run's own. If the run has room.json, splats and meshes are
 /// in the room's own frame (edit/export/aligned_room.h). `coordinates` may ask for others; the page of html keeps the
 /// cameras' frame. Error{kBadInput} for a plan without room.json, and for original coordinates that the files cannot
-/// hold
-/// (in_original_coordinates). Error{kUsage} for options of a mesh where there is none. Error{kBadInput} for an error in
-/// millimetres where no scale is known. Error{kUsage} for a file of the run or its
-/// scene, and errors as export_room's and chosen_objects'.
+/// hold (in_original_coordinates). Error{kUsage} for options of a mesh where there is none. Error{kBadInput} for an
+/// error in millimetres where no scale is known. Error{kUsage} for a file of the run or its scene, and errors as
+/// export_room's and chosen_objects'.
 RunExport export_run(EditSession& session, const std::string& format, const RunExportOptions& options = {});
 
 /// Size that export_run's html would have, before it is written. Errors as export_run's.

@@ -16,8 +16,8 @@ class HttpConnection {
   HttpConnection(net::ip::tcp::socket socket, const ServerLimits& limits);
 
   /// The next request, or nothing when the client is gone. `refuse` sees the request before its body is read; what it
-  /// answers is
-  /// sent instead, and the connection ends. So it does with requests that are too large (413, 431) or no HTTP (400).
+  /// answers is sent instead, and the connection ends. So it does with requests that are too large (413, 431) or no
+  /// HTTP (400).
   net::awaitable<std::optional<Request>> read(const std::function<std::optional<HttpAnswer>(const Request&)>& refuse);
 
   /// Sends an answer; without its body to HEAD. Returns whether the connection goes on.

@@ -38,14 +38,12 @@ struct PostHeaders {
 bool post_allowed(const PostHeaders& headers, std::string_view token);
 
 /// A browser's headers about the origin of a request: Sec-Fetch-Site, Sec-Fetch-Mode and Sec-Fetch-Dest. All are empty
-/// in
-/// clients that are no browser.
+/// in clients that are no browser.
 struct FetchOrigin {
   std::string_view site, mode, destination;
 };
 /// The request comes from the page itself, from the address line, or from no browser. A link on another site may open
-/// the
-/// page (a GET of "/" in a window of its own) and nothing else.
+/// the page (a GET of "/" in a window of its own) and nothing else.
 bool fetch_allowed(const FetchOrigin& origin, bool get, std::string_view path);
 
 /// Whether Accept-Encoding takes gzip.

@@ -24,8 +24,7 @@ class SceneService {
   SceneService& operator=(const SceneService&) = delete;
 
   /// "coarse/PATH" or "rest/PATH", PATH a .ply file of the run -> a gzip stream (compact_scene.h). Nothing for other
-  /// names. Error{kBadInput}
-  /// for a file without splats.
+  /// names. Error{kBadInput} for a file without splats.
   std::optional<GetAnswer> part(const std::string& name);
 
   /// The splats of a .ply file of the run as the page has them. Nothing for other names.

@@ -12,8 +12,7 @@
 namespace aligngs {
 
 /// Opening never blocks and touches nothing else: FIFOs, devices, sockets and folders are looked at and left closed.
-/// The
-/// place is checked on the opened file, so a link that is swapped in meanwhile leads nowhere.
+/// The place is checked on the opened file, so a link that is swapped in meanwhile leads nowhere.
 class ServedFile {
  public:
   /// The regular file that `relative` names below `root` (a canonical folder). Nothing when it does not exist, is no

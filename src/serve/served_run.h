@@ -23,15 +23,12 @@ class ServedRun {
   const std::filesystem::path& folder() const { return root_; }
 
   /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "edits", "drawable", "splats", "mesh",
-  /// "version",
-  /// "up", "units", "classes", "cameras", "views", "train", "report", "room", "notes", "start", "not_editable", "problems"}. "splats" and
-  /// "mesh" are
-  /// paths below /files/, null when absent. They are the live snapshot of a training, else the trained room. "version"
-  /// changes with these files. "edited" tells whether the run has edits; /api/edits/scene/ has what they did. "edits"
-  /// changes with
-  /// them, and is null without. "active" tells whether a process works on the run, "editable" whether edits can be
-  /// made,
-  /// "drawable" whether the server draws pictures. "stages" lists {"name", "state": "done" | "now"
+  /// "version", "up", "units", "classes", "cameras", "views", "train", "report", "room", "notes", "start",
+  /// "not_editable", "problems"}. "splats" and "mesh" are paths below /files/, null when absent. They are the live
+  /// snapshot of a training, else the trained room. "version" changes with these files. "edited" tells whether the run
+  /// has edits; /api/edits/scene/ has what they did. "edits" changes with them, and is null without. "active" tells
+  /// whether a process works on the run, "editable" whether edits can be made, "drawable" whether the server draws
+  /// pictures. "stages" lists {"name", "state": "done" | "now"
   /// | "waiting"}. "up" is the unit up vector or null. "views" tells per picture name which renders exist. "room" is
   /// the path
   /// of room.json or null. "notes" are the views and measurements of page.json (page_notes.h) or null. "start" is where the page begins (start_pose.h) or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files

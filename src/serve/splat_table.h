@@ -25,8 +25,7 @@ struct SplatTable {
 };
 
 /// Error{kBadInput} for what is no PLY file of splats. Numbers that are not finite become 0. Columns of higher
-/// harmonics
-/// that are 0 everywhere are left out, with their degree.
+/// harmonics that are 0 everywhere are left out, with their degree.
 SplatTable read_splat_table(const std::string& ply, const std::filesystem::path& name_for_errors);
 
 }  // namespace aligngs

@@ -61,11 +61,9 @@ struct ViewServerOptions {
 /// While a page listens to a run that is being trained, the trainer is asked for live snapshots (run_control.h).
 ///
 /// Bound to 127.0.0.1. Requests of other sites (Host, Sec-Fetch-Site) are refused before their body is read. Headers
-/// are at
-/// most 16 KiB (status 431), bodies 64 KiB (413), and what is no HTTP is answered with 400. When all connections are
-/// taken,
-/// the one that is idle longest makes room. Every answer carries a content security policy; that of the run's own files
-/// allows no script, as a run may come from anywhere. No cross-origin header is ever sent.
+/// are at most 16 KiB (status 431), bodies 64 KiB (413), and what is no HTTP is answered with 400. When all connections
+/// are taken, the one that is idle longest makes room. Every answer carries a content security policy; that of the
+/// run's own files allows no script, as a run may come from anywhere. No cross-origin header is ever sent.
 class ViewServer {
  public:
   /// Opens the port. Error{kBadInput} when the run is none, Error{kResources} when no port is free.

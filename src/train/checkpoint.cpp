@@ -45,8 +45,7 @@ uint32_t add_to_checksum(uint32_t crc, const void* data, size_t bytes) {
 }
 
 /// CRC-32 over names, types, content and metadata: damage that leaves the file well-formed is found too.
-/// `add_content(crc, name)` is the
-/// sum with the content of that tensor added.
+/// `add_content(crc, name)` is the sum with the content of that tensor added.
 template <class Tensors, class AddContent>
 std::string checksum(const Tensors& tensors, const std::map<std::string, std::string>& metadata,
                      const AddContent& add_content) {

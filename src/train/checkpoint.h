@@ -56,8 +56,7 @@ std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path&
                                                     CheckpointParts parts = CheckpointParts::kAll);
 
 /// Puts the cameras of the training views where the state of a run has them; the scene's own with no motions.
-/// Error{kBadInput} when there are as
-/// many motions as another number of views has.
+/// Error{kBadInput} when there are as many motions as another number of views has.
 void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene);
 
 /// Whether training can go on from the newest checkpoint; true as well where there is none that can be read.

@@ -9,8 +9,7 @@
 namespace aligngs {
 
 /// Replaces every tensor of at least 64 KiB that becomes smaller by "gzip.NAME" (U8) and the metadata "gzip.NAME", its
-/// type and
-/// shape: "F32 1000 150". Nothing is lost.
+/// type and shape: "F32 1000 150". Nothing is lost.
 void pack_tensors(TensorFile& file);
 
 /// Undoes pack_tensors(). Error{kBadInput} for a damaged stream, or a type or shape that does not fit it.

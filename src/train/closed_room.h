@@ -13,8 +13,8 @@
 namespace aligngs {
 
 /// The most Gaussians that a model may have once its room is closed: more than the cap on growth, which has usually
-/// filled that up. Unseen
-/// walls, floor and ceiling of an ordinary room are 5 000 to 20 000 squares; a small model is not more than doubled.
+/// filled that up. Unseen walls, floor and ceiling of an ordinary room are 5 000 to 20 000 squares; a small model is
+/// not more than doubled.
 constexpr size_t most_in_closed_room(size_t cap) { return cap + std::min<size_t>(cap, 50000); }
 
 struct ClosedRoomRequest {

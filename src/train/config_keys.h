@@ -1,6 +1,5 @@
 // The one table of all settings: name, field, range, value, documentation; presets.cpp has what the presets change.
-// Command line,
-// config.toml, --print-config, error messages and the manual are all made from it.
+// Command line, config.toml, --print-config, error messages and the manual are all made from it.
 #pragma once
 
 #include <array>

@@ -10,8 +10,7 @@
 namespace aligngs {
 
 /// The published rule. Its distances are world units of scenes of about unit size, so here they are shares of the
-/// robust
-/// scene extent.
+/// robust scene extent.
 struct NeighbourRule {
   double angle_max = 30;       ///< between the optical axes, degrees, exclusive
   double distance_min = 0.01;  ///< between the centres / extent, exclusive: no parallax below

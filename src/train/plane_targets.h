@@ -39,8 +39,7 @@ struct PlaneFitRequest {
 };
 
 /// Planes of the rendered depth by the rendered labels: labels of all photos, which the Gaussians have fused. The same
-/// for any number of
-/// threads. A model without semantics, or nothing flat: no planes, and no pixel on one.
+/// for any number of threads. A model without semantics, or nothing flat: no planes, and no pixel on one.
 PlaneTargets fit_plane_targets(const Engine& engine, const PlaneFitRequest& request, ThreadPool& pool);
 
 /// Draws prior depth, its weight and prior normals of the views to the planes. The prior of a pixel has weight w, its

@@ -21,8 +21,8 @@ inline EngineFactory engine_killed_at(int64_t step) {
 }
 
 /// `make` gives the options of a run by its name. Killed and resumed, such a run must end with the very Gaussians of
-/// `whole`, which has
-/// ended. `compare` looks at what else must be equal; `places` are the steps in which runs are killed.
+/// `whole`, which has ended. `compare` looks at what else must be equal; `places` are the steps in which runs are
+/// killed.
 inline void expect_resumes(const TrainOptions& whole, const std::function<TrainOptions(const std::string&)>& make,
                            const std::function<void(const TrainOptions&)>& compare = {},
                            const std::vector<int64_t>& places = {5, 16, 37}) {

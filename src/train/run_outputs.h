@@ -9,8 +9,7 @@
 namespace aligngs {
 
 /// scene.ply, and where `assigned` has labels scene.labels.ply and classes.json (counts and objects of each class),
-/// into
-/// `folder`; each atomically.
+/// into `folder`; each atomically.
 void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
                        const GaussianLabels& assigned);
 

@@ -21,8 +21,7 @@ constexpr uint64_t kPlaneBytes = 2;  // number and weight, train/plane_targets.h
 constexpr double kNearQuantile = 0.01;  // of a view's depths: a few wrong pixels do not move the near plane
 
 // Free space is cleared 4 % before metric depth, and L_z pulls at 2 %: depth that is farther off would do harm. Without
-// points it
-// is the only start, and coarse surfaces are better than random ones.
+// points it is the only start, and coarse surfaces are better than random ones.
 constexpr double kSureResidual = 0.05, kStartResidual = 0.2;
 
 void decide_depth(const Scene& scene, PriorDepthUse wanted, PriorUse& use) {

@@ -2,8 +2,7 @@
 // Each folder below that of the environment variable ALIGNGS_PARITY_DIR is a case. Without the
 // variable these are the cases that come with the sources, and those of ../shared/parity and
 // ../shared/parity_new where they are there. Exit status 0: all match, 1: something does not, or there is nothing to
-// run, 77: there is
-// no device for modes that need one.
+// run, 77: there is no device for modes that need one.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

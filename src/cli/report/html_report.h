@@ -11,8 +11,7 @@ namespace aligngs {
 std::string html_report(const std::filesystem::path& run);
 
 /// Writes report.html and overview.jpg (photo, render, depth, normals, labels of a few test views side by side; not
-/// written
-/// without renders). Atomic.
+/// written without renders). Atomic.
 void write_report(const std::filesystem::path& run);
 
 }  // namespace aligngs

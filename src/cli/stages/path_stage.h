@@ -36,8 +36,7 @@ struct PathPictures {
 };
 
 /// For before the run is opened, which takes seconds. Error{kUsage} for a place that is taken or belongs to the run,
-/// and for
-/// a size that a video cannot have. Error{kBadInput} for key frames that cannot be read.
+/// and for a size that a video cannot have. Error{kBadInput} for key frames that cannot be read.
 void require_path_place(const std::filesystem::path& run, const PathStageOptions& options);
 
 /// Draws the Gaussians that the run's engine holds. Everything appears whole or not at all. Error{kUsage} for more

@@ -26,9 +26,8 @@ struct CompletedScene {
 CompletedScene complete_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
                                  const CommandContext& context);
 
-/// Refines `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far
-/// the
-/// photos agreed before and after. Error{kBadInput} for a scene without prior depth.
+/// Refines `scene` (whose folder may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says
+/// how far the photos agreed before and after. Error{kBadInput} for a scene without prior depth.
 void refine_into_run(const Scene& scene, const std::filesystem::path& run, const TrainConfig& config,
                      const CommandContext& context);
 

@@ -13,8 +13,7 @@ namespace aligngs {
 std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool& pool);
 
 /// Describes the room of a run as its training views show it after training, with `objects` as its furniture.
-/// Error{kBadInput} for a run without
-/// labels, and errors as find_room's.
+/// Error{kBadInput} for a run without labels, and errors as find_room's.
 MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects);
 
 /// RUN/room.json. Error{kBadInput} for a folder that is no run or has no room.json.

@@ -17,8 +17,7 @@ bool can_write_video();
 class VideoWriter {
  public:
   /// Starts ffmpeg. `width`, `height`: even. Error{kFailed} when it cannot be started, Error{kResources} for a place
-  /// that
-  /// cannot be written to.
+  /// that cannot be written to.
   VideoWriter(std::filesystem::path file, int width, int height, double frames_per_second);
   ~VideoWriter();  ///< ends ffmpeg
   VideoWriter(const VideoWriter&) = delete;

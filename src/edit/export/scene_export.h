@@ -61,16 +61,13 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
 ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
                                  const ExportOptions& options = {});
 /// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up. With a texture:
-/// texture
-/// coordinates instead, and beside the file its .mtl and .jpg of the same name.
+/// texture coordinates instead, and beside the file its .mtl and .jpg of the same name.
 ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
                        const ExportOptions& options = {});
 /// USD as text: under /room one Xform per object and structural part, with its class (SemanticsLabelsAPI:class), mesh
 /// and splats. The mesh has vertex colours in linear light, or a texture in a .jpg beside the file. An invisible mesh
-/// simplified to
-/// kColliderError is its collider. Splats are
-/// ParticleField3DGaussianSplat of OpenUSD 26.03: linear scales, opacities in [0, 1]. y up, one unit is a metre.
-/// Error{kUsage} for the mesh alone of a room without one.
+/// simplified to kColliderError is its collider. Splats are ParticleField3DGaussianSplat of OpenUSD 26.03: linear
+/// scales, opacities in [0, 1]. y up, one unit is a metre. Error{kUsage} for the mesh alone of a room without one.
 ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
                         const ExportOptions& options = {});
 /// The mesh of write_usda with its texture as one file, for phones: a stored zip whose files start at multiples of 64

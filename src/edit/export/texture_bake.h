@@ -31,10 +31,8 @@ struct BakeReport {
 };
 
 /// RGB of the atlas's size. `photographed`, per triangle: 1 where edits have changed neither place nor colour. Photos
-/// of a patch are
-/// weighted by angle, resolution, sharpness and the distance from the photo's edge and from silhouettes; neighbouring
-/// patches
-/// blend. The same for any number of threads.
+/// of a patch are weighted by angle, resolution, sharpness and the distance from the photo's edge and from silhouettes;
+/// neighbouring patches blend. The same for any number of threads.
 Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const std::vector<uint8_t>& photographed,
                             const TexturePhotos& photos, const GaussianModel& splats, double extent, ThreadPool& pool,
                             const BakeSettings& settings = {}, BakeReport* report = nullptr);

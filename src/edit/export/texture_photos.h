@@ -26,8 +26,8 @@ struct TexturePhotos {
 };
 
 /// The training photos of a scene, at most `largest` pixels wide or high. Exposures are those of exposure.json; without
-/// it they are
-/// estimated where photos show the same surface. `surface`: the mesh of the run before edits, which is not empty.
+/// it they are estimated where photos show the same surface. `surface`: the mesh of the run before edits, which is not
+/// empty.
 TexturePhotos load_texture_photos(const Scene& scene, const TriangleMesh& surface, ThreadPool& pool,
                                   int largest = 2048);
 

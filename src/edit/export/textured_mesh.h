@@ -7,8 +7,7 @@
 namespace aligngs {
 
 /// Unfolds all objects onto one picture and makes its colours. Vertices are doubled where charts meet. `photos` are of
-/// the room's
-/// world; `size`: texels, side of the picture at most. Texels are not finer than the photos.
+/// the room's world; `size`: texels, side of the picture at most. Texels are not finer than the photos.
 BakeReport add_texture(ExportMesh& mesh, const EditableRoom& room, const TexturePhotos& photos, int size,
                        ThreadPool& pool, const BakeSettings& settings = {});
 

@@ -14,8 +14,7 @@ constexpr int kWall = 0, kWindow = 8, kCabinet = 10, kTable = 15, kRug = 28, kBo
 const Vec3f kFloorColor{0.6f, 0.5f, 0.4f}, kWallColor{0.8f, 0.8f, 0.7f}, kBookColor{0.5f, 0.1f, 0.6f};
 
 /// A corner of a room: a floor of 3 m x 2 m (y = 0, up is -y) and a wall of 1.6 m. The wall is at z = 1. A box is 25 cm
-/// before the
-/// wall, and a camera in the middle of the room looks at it. Places that the box hides have no Gaussians.
+/// before the wall, and a camera in the middle of the room looks at it. Places that the box hides have no Gaussians.
 class FillRemoved : public testing::Test {
  protected:
   FillRemoved() {

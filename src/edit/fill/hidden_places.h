@@ -11,8 +11,7 @@ namespace aligngs {
 class HiddenPlaces {
  public:
   /// `selected` marks the rows that go; `cube` is the edge of the cubes that tell what hides what, scene units. The
-  /// cameras
-  /// must outlive this.
+  /// cameras must outlive this.
   HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected, const std::vector<Camera>& cameras,
                double cube);
 

@@ -17,8 +17,7 @@ class SolidSpace {
 
   bool empty() const { return counts_[0] == 0; }
   /// Whether the segment from an eye to a place passes through the space. The last two and a half cubes before the
-  /// place
-  /// do not count: a surface does not hide itself.
+  /// place do not count: a surface does not hide itself.
   bool hides(const Vec3d& eye, const Vec3d& place) const;
 
  private:

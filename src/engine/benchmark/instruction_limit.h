@@ -7,10 +7,8 @@ namespace aligngs {
 enum class Instructions { kAll, kAvx512, kAvx2, kSse4 };
 
 /// While it lives, vector kernels of the whole process are chosen as if the processor had no wider vectors. Loops that
-/// GCC
-/// compiles in several versions (core/target_clones.h) are chosen when the program starts and do not heed it: the
-/// map
-/// losses. Not to be nested; create and destroy it while no kernel runs.
+/// GCC compiles in several versions (core/target_clones.h) are chosen when the program starts and do not heed it: the
+/// map losses. Not to be nested; create and destroy it while no kernel runs.
 class InstructionLimit {
  public:
   explicit InstructionLimit(Instructions widest);

@@ -54,8 +54,7 @@ HWY_EXPORT(AlphaAt);
 namespace {
 
 /// Relative to a threshold: what float and double may part over. exp2 has 2 units of 6e-8; the exponent, up to 8, as
-/// many
-/// roundings of its own size.
+/// many roundings of its own size.
 constexpr double kRounding = 5e-6;
 const std::vector<double> kBeside = {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4, 1e-5, -1e-5};
 

@@ -8,8 +8,7 @@
 namespace aligngs::cpu {
 
 /// From gradients of the step's losses as parameter_gradients() leaves them and the model that they were taken at. The
-/// same
-/// bits for any number of threads.
+/// same bits for any number of threads.
 PoseGradient<double> pose_gradient(const GaussianModel& model, const ParameterGradients& gradients,
                                    const Camera& camera, int sh_degree, ThreadPool& pool);
 

@@ -41,8 +41,7 @@ HWY_INLINE V fast_exp2(D d, V x) {
 }
 
 /// 1 / x within 3.5 ulp for normal x whose reciprocal is normal (3 with multiply-adds): Newton steps from an estimate,
-/// which leave the divider
-/// to nobody. On x86 the estimate has 11.5 bits or more and one step suffices.
+/// which leave the divider to nobody. On x86 the estimate has 11.5 bits or more and one step suffices.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V fast_reciprocal(D d, V x) {
   const V two = hn::Set(d, 2.0f);
@@ -81,8 +80,7 @@ HWY_INLINE V fast_log(D d, V x) {
 }
 
 /// Natural logarithm within 5e-7 max(1, |log x|) for normal positive x: enough for values of a loss. Chebyshev series
-/// of
-/// degree 6 of log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
+/// of degree 6 of log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
 HWY_INLINE FloatVec loss_log(FloatVec x) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;

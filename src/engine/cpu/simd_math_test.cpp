@@ -1,6 +1,5 @@
 // How far the vector functions are from the true values, with every instruction set of this machine. The bounds are
-// those
-// that their comments state.
+// those that their comments state.
 #include "engine/cpu/each_instruction_set_for_tests.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // Kernel of blend_forward.h: one thread per pixel of a tile, a batch of its Gaussians at a time in shared memory. A
-// warp
-// is a strip of 8 x 4 pixels and skips Gaussians that do not reach it.
+// warp is a strip of 8 x 4 pixels and skips Gaussians that do not reach it.
 #pragma once
 
 #include "engine/cuda/blend_forward.h"

@@ -15,9 +15,8 @@ struct BlendForwardInputs {
 };
 
 /// Writes `maps`, without geometry only colour and alpha, and `record` unless its spans are empty (its checkpoints may
-/// be
-/// alone in being so). Each tile is a block
-/// of 256 threads, each strip of 8 x 4 pixels a warp that blends the Gaussians that can reach it.
+/// be alone in being so). Each tile is a block of 256 threads, each strip of 8 x 4 pixels a warp that blends the
+/// Gaussians that can reach it.
 void blend_forward(const DeviceContext& context, const BlendForwardInputs& in, const RenderMapSpans& maps,
                    const BlendRecordSpans& record);
 

@@ -19,8 +19,7 @@ struct MapLossInputs {
 
 struct MapLossOutputs {
   /// color: written. normal, distance: written where the settings have geometry terms, else untouched. alpha:
-  /// untouched, because no
-  /// loss of the maps has a gradient for it.
+  /// untouched, because no loss of the maps has a gradient for it.
   MapGradientSpans gradients;
   DeviceSpan<float> residual;   ///< [H W] written: mean absolute colour difference, 0 under the mask; empty: not wanted
   DeviceSpan<LossTerms> terms;  ///< [1] written, those of other losses as 0

@@ -19,8 +19,7 @@ struct LiftInputs {
 };
 
 /// sums[row][channel] += sum over the view's valid pixels of w t. Slots are added in their order. Scratch comes from
-/// the
-/// arena.
+/// the arena.
 void add_teacher_sums(DeviceArena& arena, const LiftInputs& in, DeviceSpan<float> sums);
 
 /// Rows whose sums are not all zero become formulas/semantic_start.h of them; the others stay as they are.

@@ -42,8 +42,7 @@ ALIGNGS_HD inline Vec3<T> quaternion_torque(const T* q, const T* g) {
 }
 
 /// The part of dL/dposition that comes through the direction in which the colour is evaluated. dL/dcolour is read off
-/// the constant
-/// coefficient's gradient.
+/// the constant coefficient's gradient.
 template <class T>
 ALIGNGS_HD inline Vec3<T> direction_part(int sh_degree, const Vec3<T>& position, const Vec3<T>& centre, const T* sh,
                                          const T* dsh) {

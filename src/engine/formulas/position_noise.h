@@ -1,6 +1,5 @@
 // Noise on the places of nearly transparent Gaussians, so that they look for something to do (3DGS-MCMC, Kheradmand et
-// al.,
-// NeurIPS 2024, equation 8). Alike on every engine.
+// al., NeurIPS 2024, equation 8). Alike on every engine.
 #pragma once
 
 #include <cmath>

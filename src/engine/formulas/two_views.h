@@ -14,8 +14,7 @@ namespace aligngs {
 /// Pixels between a pixel centre and where it comes back to; from there on the views do not see the same point.
 inline constexpr double kReprojectionMax = 1;
 /// Smallest depth in the other view / depth in this one: points at its very camera project anywhere. The published rule
-/// is
-/// 0.1 world units in rooms of a few units.
+/// is 0.1 world units in rooms of a few units.
 inline constexpr double kOtherDepthMin = 0.05;
 
 template <class T>

@@ -10,8 +10,7 @@
 namespace aligngs::testing_maps {
 
 /// The maps of LossFixture, seen from a second camera as well, whose depth map is that of the wall itself. The photos
-/// show
-/// a texture painted on the wall, so that they agree across its planes.
+/// show a texture painted on the wall, so that they agree across its planes.
 struct TwoViewFixture : LossFixture {
   TrainingView other;
   std::vector<double> other_depth;

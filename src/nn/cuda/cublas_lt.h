@@ -1,6 +1,5 @@
 // NVIDIA's cuBLASLt, loaded at run time where it is installed. Empty where the toolkit that the program is built with
-// has
-// no cublasLt.h.
+// has no cublasLt.h.
 #pragma once
 
 #if __has_include(<cublasLt.h>)

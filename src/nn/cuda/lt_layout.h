@@ -32,8 +32,7 @@ struct LtEpilogue {
 };
 
 /// The library's GELU is the approximation by tanh and it has no SiLU, so both stay with activate(). Its bias and ReLU
-/// are
-/// the formulas of the project.
+/// are the formulas of the project.
 constexpr LtEpilogue lt_epilogue(bool has_bias, nn::Activation activation) {
   switch (activation) {
     case nn::Activation::kNone:

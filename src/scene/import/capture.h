@@ -86,10 +86,9 @@ const CaptureLayout* recognise_layout(const std::filesystem::path& folder);
 std::string known_layouts();
 
 /// Recognises the layout and reads the frame list. Frames that cannot be used are left out and listed. A world far from
-/// its
-/// origin, or of arbitrary units and a size far from 1, is moved and scaled (place_near_origin).
-/// Error{kBadInput} when nothing matches, naming what was looked for, and when no frame is left. Error{kUsage} for a
-/// layout that is no name of one.
+/// its origin, or of arbitrary units and a size far from 1, is moved and scaled (place_near_origin). Error{kBadInput}
+/// when nothing matches, naming what was looked for, and when no frame is left. Error{kUsage} for a layout that is no
+/// name of one.
 Capture read_capture(const std::filesystem::path& folder, const CaptureOptions& options = {});
 
 // One reader per layout; each documents the files it expects at the top of its .cpp.

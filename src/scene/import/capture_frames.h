@@ -20,13 +20,11 @@ void add_frame(Capture& capture, const std::string& name, Read read) {
 }
 
 /// Pairs a frame with a camera whose image size is known: it is brought to the size of the photo, whose stored pixels
-/// go
-/// first. Error{kBadInput} when the photo is missing, cannot be read or has another aspect.
+/// go first. Error{kBadInput} when the photo is missing, cannot be read or has another aspect.
 void set_camera(CapturedFrame& frame, const ColmapCamera& camera);
 
 /// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when the
-/// principal
-/// point lies outside of the photo: then they are for photos of another size.
+/// principal point lies outside of the photo: then they are for photos of another size.
 void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy);
 
 /// The photos of a folder in natural order; hidden ones are left out with a line.

@@ -14,8 +14,7 @@ namespace aligngs {
 std::vector<double> read_numbers(const std::filesystem::path& file);
 
 /// The names of a list: one a line, or several with commas between them. Blanks belong to names; lines that begin with
-/// '#'
-/// are comments. Error{kBadInput} without any name: nobody asks for no frame, and all of them would be used.
+/// '#' are comments. Error{kBadInput} without any name: nobody asks for no frame, and all of them would be used.
 std::vector<std::string> read_name_list(const std::filesystem::path& file);
 
 /// A rigid motion from 16 (or 12) row-major numbers. Error{kBadInput} unless the rotation is one within 1e-2 and the

@@ -1,7 +1,6 @@
 // Valid captures of every layout with one thing broken: an importer leaves frames out, or ends with a typed error and
-// no output. It never
-// crashes, hangs or leaves half of a scene. ALIGNGS_FUZZ_SECONDS goes on so long for each layout; seeds are printed on
-// failure.
+// no output. It never crashes, hangs or leaves half of a scene. ALIGNGS_FUZZ_SECONDS goes on so long for each layout;
+// seeds are printed on failure.
 #include <gmock/gmock.h>
 
 #include <chrono>

@@ -1,6 +1,6 @@
 // Raw captures of LiDAR telephones. A frame has a JSON with intrinsics and a camera-to-world matrix of ARKit (world +y
-// up, camera
-// x right, y up, z back, metres). Depth is in millimetres and registered to the photo. A confidence of 0 is low.
+// up, camera x right, y up, z back, metres). Depth is in millimetres and registered to the photo. A confidence of 0 is
+// low.
 //
 // Polycam, "raw data": keyframes/{corrected_cameras,cameras}/T.json (fx fy cx cy width height t_00 .. t_23),
 //   keyframes/{corrected_images,images}/T.jpg, keyframes/depth/T.png, keyframes/confidence/T.png.

@@ -1,7 +1,6 @@
 // A capture whose every camera, pixel and depth is known, drawn from a seed. Tests write it in a folder layout and
-// compare what an
-// importer makes of it with what was meant. The lens formulas are written out here once more, so that a wrong one
-// cannot agree with itself.
+// compare what an importer makes of it with what was meant. The lens formulas are written out here once more, so that a
+// wrong one cannot agree with itself.
 #pragma once
 
 #include <fmt/format.h>

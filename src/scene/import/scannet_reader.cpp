@@ -1,6 +1,5 @@
 // ScanNet's Python export (SensReader): color/N.jpg, depth/N.png (uint16 mm), pose/N.txt (4x4 camera-to-world, -inf
-// where
-// tracking was lost), intrinsic/{intrinsic,extrinsic}_{color,depth}.txt (4x4), *_vh_clean_2.ply beside or above.
+// where tracking was lost), intrinsic/{intrinsic,extrinsic}_{color,depth}.txt (4x4), *_vh_clean_2.ply beside or above.
 // Intrinsics count from the centre of the first pixel, so half a pixel is added.
 #include "core/error.h"
 #include "scene/import/capture_frames.h"

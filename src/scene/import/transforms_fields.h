@@ -1,6 +1,5 @@
 // The fields of transforms.json: nerfstudio's, instant-ngp's and Blender's, each used, ignored because it is harmless
-// here, or
-// refused by name. docs/formats.md lists them. src/scene/import internal.
+// here, or refused by name. docs/formats.md lists them. src/scene/import internal.
 #pragma once
 
 #include <filesystem>
@@ -27,9 +26,8 @@ class TransformsFields {
   const nlohmann::json* find(const char* key) const;
 
   /// The camera at the size that the file states, else at width x height of the photo as stored. Error{kBadInput}
-  /// naming the
-  /// field for lenses that are no view of a pinhole, for terms without a counterpart here, and without any focal
-  /// length.
+  /// naming the field for lenses that are no view of a pinhole, for terms without a counterpart here, and without any
+  /// focal length.
   ColmapCamera camera(int width, int height) const;
 
   /// Fields that state the focal length once more and otherwise; `camera()` takes the pixels. One line each.

@@ -1,6 +1,5 @@
 // The absolute colour difference at one pixel of one channel. Engines form it beside the rows that SSIM lays out, so
-// they
-// have loops of their own for it.
+// they have loops of their own for it.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,5 @@
 // The Pearson correlation of rendered and prior depth (AlignGS, Gao et al. 2025), from the sums over the pixels. It
-// needs
-// their means before it can compare them, so engines have loops of their own for it.
+// needs their means before it can compare them, so engines have loops of their own for it.
 #pragma once
 
 #include <cmath>

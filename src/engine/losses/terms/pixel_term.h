@@ -1,6 +1,5 @@
 // A pixel term: a loss that looks at one pixel alone, as the weighted mean over the pixels that take part. Its formula
-// is
-// a class template in a file of this folder, for host and device. The CPU rows (losses/pixel_rows.h) and the CUDA
+// is a class template in a file of this folder, for host and device. The CPU rows (losses/pixel_rows.h) and the CUDA
 // kernels (cuda/pixel_terms.cuh) fold over the list of them (pixel_terms.h).
 //
 //   template <class T>

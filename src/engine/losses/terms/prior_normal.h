@@ -7,8 +7,7 @@
 namespace aligngs {
 
 /// 1 - n . n_prior at pixels with a blended direction and a prior normal, weighted by the prior's confidence. A prior
-/// that
-/// is not finite or not a unit vector is none.
+/// that is not finite or not a unit vector is none.
 template <class T>
 struct PriorNormalTerm {
   static constexpr Loss kLoss = Loss::kPriorNormal;
