@@ -99,13 +99,11 @@ void undo(const CommandContext& context, const EditOptions& options, const UndoR
     EditSession session(options.run, {options.scene, context.global.threads, options.wait});
     undone.push_back(session.undo(request.number));
   }
-  std::string texts, lines;
-  for (const EditOperation& edit : undone) {
-    texts += (texts.empty() ? "" : "; ") + describe(edit);
-    lines += "undone: " + describe(edit) + "\n";
-  }
+  std::string lines;
+  for (const EditOperation& edit : undone) lines += "undone: " + describe(edit) + "\n";
   print_result(context,
-               Json{{"undone", texts}, {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}},
+               Json{{"undone", describe(undone)},
+                    {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}},
                lines);
 }
 

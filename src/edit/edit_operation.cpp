@@ -168,6 +168,12 @@ std::string describe(const EditOperation& edit) {
   return text;
 }
 
+std::string describe(const std::vector<EditOperation>& edits) {
+  std::string text;
+  for (const EditOperation& edit : edits) text += (text.empty() ? "" : "; ") + describe(edit);
+  return text;
+}
+
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors) {
   const auto refuse = [&](const char* field, const char* message) {
     throw_bad_input(name_for_errors, field, message, kRepair);

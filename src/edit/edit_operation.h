@@ -53,8 +53,9 @@ bool leaves_hole(EditKind kind);            ///< delete, move and replace
 std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "move", "duplicate", "replace", "recolor", ...
 /// "#rrggbb" or "#rgb"; Error{kUsage} for anything else.
 std::array<uint8_t, 3> parse_color(std::string_view text);
-std::string color_text(const std::array<uint8_t, 3>& color);  ///< "#rrggbb"
-std::string describe(const EditOperation& edit);              ///< "recolor pillow to #add8e6", for lists and messages
+std::string color_text(const std::array<uint8_t, 3>& color);    ///< "#rrggbb"
+std::string describe(const EditOperation& edit);                ///< "recolor pillow to #add8e6", for lists and messages
+std::string describe(const std::vector<EditOperation>& edits);  ///< the same of several, with "; " between
 
 /// edits.json: the stack of a run, oldest first. Schema 1 is of earlier programs and has no changes. Error{kBadInput}
 /// naming entry and field; selections are only checked

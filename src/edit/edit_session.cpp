@@ -166,6 +166,14 @@ void EditSession::commit(std::vector<EditOperation>& stack, const Changes& chang
   listed_ = edits_text(stack);
 }
 
+void EditSession::replace_stack(std::vector<EditOperation> stack, Changes changes) {
+  std::optional<EditableRoom> edited = rebuilt(stack, changes);
+  commit(stack, changes);
+  edited_ = std::move(edited);
+  stack_ = std::move(stack);
+  changes_ = std::move(changes);
+}
+
 EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture) {
   EditableRoom after = room();
   const EditReport report = carry_out(after, edit);
@@ -226,11 +234,7 @@ EditOperation EditSession::undo(size_t number) {
       stack[i].change.clear();
     }
   }
-  std::optional<EditableRoom> edited = rebuilt(stack, changes);
-  commit(stack, changes);
-  edited_ = std::move(edited);
-  stack_ = std::move(stack);
-  changes_ = std::move(changes);
+  replace_stack(std::move(stack), std::move(changes));
   return undone;
 }
 
@@ -239,11 +243,7 @@ std::vector<EditOperation> EditSession::undo_latest(size_t count) {
   follow_file();
   std::vector<EditOperation> stack = stack_, undone = take_latest(stack, count);
   Changes changes(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(stack.size()));
-  std::optional<EditableRoom> edited = rebuilt(stack, changes);
-  commit(stack, changes);
-  edited_ = std::move(edited);
-  stack_ = std::move(stack);
-  changes_ = std::move(changes);
+  replace_stack(std::move(stack), std::move(changes));
   return undone;
 }
 

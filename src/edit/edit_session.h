@@ -93,6 +93,8 @@ class EditSession {
   void follow_selections();
   /// Writes changes that no file has, and the list.
   void commit(std::vector<EditOperation>& stack, const Changes& changes);
+  /// Commits a shorter stack, with the room that it makes.
+  void replace_stack(std::vector<EditOperation> stack, Changes changes);
   /// The last checkpoint. It is larger than the room and is not kept.
   TrainingState read_state() const;
   BeforeAfter compare(const EditableRoom& before, const EditableRoom& after) const;

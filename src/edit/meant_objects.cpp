@@ -83,8 +83,9 @@ class MeantObjects {
     std::vector<size_t> found = candidates_of(term);
     std::vector<Related> related;
     if (term.relation) {
-      related = related_of(term, found);
-      if (term.count != 1) require_one_anchor(term, related);
+      const std::vector<size_t> anchors = anchors_of(*term.relation);
+      related = related_of(term, found, anchors);
+      if (term.count != 1) require_one_anchor(term, related, anchors);
       found.clear();
       for (const Related& r : related) found.push_back(r.object);
     }
@@ -110,8 +111,8 @@ class MeantObjects {
   }
 
   /// The candidates that have the relation to any anchor, each with the nearest one.
-  std::vector<Related> related_of(const SelectionTerm& term, const std::vector<size_t>& candidates) const {
-    const std::vector<size_t> anchors = anchors_of(*term.relation);
+  std::vector<Related> related_of(const SelectionTerm& term, const std::vector<size_t>& candidates,
+                                  const std::vector<size_t>& anchors) const {
     std::vector<Related> found;
     for (const size_t i : candidates) {
       std::vector<Related> fits;
@@ -176,12 +177,12 @@ class MeantObjects {
   }
 
   /// "The pillows on the bed" are on one bed, which may be in pieces.
-  void require_one_anchor(const SelectionTerm& term, const std::vector<Related>& related) const {
+  void require_one_anchor(const SelectionTerm& term, const std::vector<Related>& related,
+                          const std::vector<size_t>& anchors) const {
     std::set<size_t> used;
     for (const Related& r : related) used.insert(r.anchor);
     const bool is_shell = !is_of_group(objects_.labels(), objects_[*used.begin()].label, ClassGroup::kThings);
-    if (used.size() == 1 || term.relation->any_anchor || is_shell || hang_together(used, anchors_of(*term.relation)))
-      return;
+    if (used.size() == 1 || term.relation->any_anchor || is_shell || hang_together(used, anchors)) return;
     std::string where;
     for (const Related& r : related)
       where += (where.empty() ? "" : ", ") + objects_.name(r.object) + " by " + objects_.name(r.anchor);

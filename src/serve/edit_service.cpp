@@ -169,9 +169,7 @@ std::string EditService::undone(const UndoRequest& request) {
     taken = session().undo_latest(request.latest);
   }
   redo_.insert(redo_.end(), taken.begin(), taken.end());
-  std::string texts;
-  for (const EditOperation& edit : taken) texts += (texts.empty() ? "" : "; ") + describe(edit);
-  return listed("undone", texts);
+  return listed("undone", describe(taken));
 }
 
 std::string EditService::undo(const std::string& request) {

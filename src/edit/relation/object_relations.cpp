@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "edit/contents.h"
-#include "edit/fill/carrying_classes.h"
 
 namespace aligngs {
 namespace {
@@ -36,17 +35,15 @@ const std::set<size_t>& ObjectRelations::contents(const std::vector<size_t>& car
 }
 
 bool ObjectRelations::is_carried(size_t a) const {
-  const std::vector<CarryingClass> classes = carrying_classes(objects_.labels());
   std::vector<size_t> furniture;
   for (size_t i = 0; i < objects_.size(); ++i) {
-    if (classes[static_cast<size_t>(objects_[i].label)].furniture) furniture.push_back(i);
+    if (classes_[static_cast<size_t>(objects_[i].label)].furniture) furniture.push_back(i);
   }
   return contents(furniture).count(a) > 0;
 }
 
 bool ObjectRelations::is_on_shell(size_t a, size_t b) const {
-  const std::vector<CarryingClass> classes = carrying_classes(objects_.labels());
-  const auto shell = [&](size_t i) { return classes[static_cast<size_t>(objects_[i].label)].shell; };
+  const auto shell = [&](size_t i) { return classes_[static_cast<size_t>(objects_[i].label)].shell; };
   if (shell(a) != PlaneKind::kNone || is_carried(a)) return false;
   double floor = 1e300;  // its height
   for (size_t i = 0; i < objects_.size(); ++i) {
@@ -57,7 +54,7 @@ bool ObjectRelations::is_on_shell(size_t a, size_t b) const {
 }
 
 bool ObjectRelations::is_on(size_t a, size_t b) const {
-  const CarryingClass kind = carrying_classes(objects_.labels())[static_cast<size_t>(objects_[b].label)];
+  const CarryingClass kind = classes_[static_cast<size_t>(objects_[b].label)];
   if (kind.shell != PlaneKind::kNone) return is_on_shell(a, b);
   return contents({b}).count(a) > 0;
 }

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "edit/fill/carrying_classes.h"
 #include "edit/relation/relation_words.h"
 #include "edit/relation/room_objects.h"
 
@@ -26,7 +27,7 @@ class ObjectRelations {
  public:
   /// `objects` outlives this.
   explicit ObjectRelations(const RoomObjects& objects, const RelationLimits& limits = {})
-      : objects_(objects), limits_(limits) {}
+      : objects_(objects), limits_(limits), classes_(carrying_classes(objects.labels())) {}
 
   /// The gap in metres where object `a` has the relation to object `b`, else nothing. Error{kBadInput} where the
   /// relation needs a direction that the room does not tell.
@@ -43,6 +44,7 @@ class ObjectRelations {
 
   const RoomObjects& objects_;
   RelationLimits limits_;
+  std::vector<CarryingClass> classes_;                                ///< per class
   mutable std::map<std::vector<size_t>, std::set<size_t>> contents_;  ///< of carriers that were asked for
 };
 
