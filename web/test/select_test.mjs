@@ -139,9 +139,12 @@ await withBrowser(async (browser) => {
   const bad = async (where) => { const found = await badControls(page); check(found.length === 0, `plan and stick leave the tools free ${where} ${found.join(', ')}`); };
   const hasPlan = await page.locator('#plan-button').isVisible(), beside = hasPlan ? ['#walk', '#plan-button'] : ['#walk'];
   for (const button of beside) await page.locator(button).click();
+  await page.evaluate(() => window.aligngs.page.messages.show('A message of two lines, which stays until it is closed: it and the plan leave each other free.', 'result'));
   await bad('on a phone');
   await page.setViewportSize({ width: 1000, height: 620 });
   await bad('beside the panel');
+  await shot('message_beside_plan');
+  await page.locator('#message-close').click();
   await page.setViewportSize({ width: 390, height: 844 });
   if (hasPlan) await page.locator('#plan-close').click();
   await page.locator('#select-close').click();
