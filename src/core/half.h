@@ -6,20 +6,21 @@
 
 namespace aligngs {
 
+/// Without branches, so that loops over it become vectors.
 inline float half_to_float(uint16_t h) {
-  const uint32_t sign = uint32_t(h & 0x8000u) << 16;
-  uint32_t exponent = (h >> 10) & 0x1fu, mantissa = h & 0x3ffu, bits;
-  if (exponent == 0x1f) {
-    bits = sign | 0x7f800000u | (mantissa << 13);
-  } else if (exponent != 0) {
-    bits = sign | ((exponent + 112) << 23) | (mantissa << 13);
-  } else if (mantissa == 0) {
-    bits = sign;
-  } else {  // subnormal: shift the leading one up to the implicit place
-    exponent = 113;
-    while (!(mantissa & 0x400u)) mantissa <<= 1, --exponent;
-    bits = sign | (exponent << 23) | ((mantissa & 0x3ffu) << 13);
-  }
+  constexpr uint32_t kRebias = 112u << 23;       // exponents are biased by 15 there and by 127 here
+  constexpr uint32_t kLeastNormal = 113u << 23;  // 2^-14
+  const uint32_t magnitude = h & 0x7fffu, shifted = magnitude << 13, sign = uint32_t(h & 0x8000u) << 16;
+  // A subnormal mantissa counts in steps of 2^-24: as the mantissa of 2^-14 it lies that much above 2^-14.
+  const uint32_t above_bits = kLeastNormal | shifted;
+  float above, least;
+  std::memcpy(&above, &above_bits, 4);
+  std::memcpy(&least, &kLeastNormal, 4);
+  const float subnormal = above - least;
+  uint32_t subnormal_bits;
+  std::memcpy(&subnormal_bits, &subnormal, 4);
+  const uint32_t normal_bits = shifted + kRebias + (magnitude >= 0x7c00u ? kRebias : 0u);  // or infinity, or NaN
+  const uint32_t bits = sign | (magnitude < 0x400u ? subnormal_bits : normal_bits);
   float f;
   std::memcpy(&f, &bits, 4);
   return f;

@@ -11,6 +11,7 @@
 #include "edit/object_rows.h"
 #include "gaussians/gaussian_geometry.h"
 #include "gaussians/instances.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 namespace {

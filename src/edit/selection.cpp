@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "edit/crumbs.h"
 #include "gaussians/object_labels.h"
+#include "gaussians/point_tree.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

@@ -10,6 +10,7 @@
 #include "core/random.h"
 #include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
+#include "gaussians/point_tree.h"
 #include "scene/plane_fit.h"
 
 namespace aligngs {

@@ -2,19 +2,11 @@
 
 #include "core/error.h"
 #include "gaussians/instances.h"
+#include "gaussians/label_smoothing.h"
 
 namespace aligngs {
-namespace {
-
-constexpr size_t kSmoothingNeighbours = 16;  ///< the ring around a Gaussian on a surface, and the next one
-
-}  // namespace
-
 SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool) {
-  SoftLabels soft = soft_labels(model, pool);
-  const NeighbourGraph graph = neighbour_graph(positions_of(model), kSmoothingNeighbours, pool);
-  smooth_labels(soft, model, graph, extent > 0 ? extent : extent_of(model), {}, pool);
-  return soft;
+  return LabelSmoother(model, extent, pool).smoothed(model, pool);
 }
 
 ObjectLabels object_labels(const GaussianModel& model, const LabelSet& labels, double extent, ThreadPool& pool) {

@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// soft_labels() smoothed over neighbours; `extent` as below.
+/// soft_labels() smoothed over neighbours (label_smoothing.h), once; `extent` as below.
 SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool);
 
 struct ObjectLabels {

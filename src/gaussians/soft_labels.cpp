@@ -10,40 +10,18 @@ namespace {
 
 constexpr size_t kSoftLabelGrain = 512;  // Gaussians per chunk
 
-/// Classes and their sums; reused from Gaussian to Gaussian without clearing all of it.
-class Tally {
- public:
-  explicit Tally(size_t classes) : sum_(classes, 0.0) {}
-  void add(uint16_t label, double weight) {
-    if (label >= sum_.size()) return;
-    if (sum_[label] == 0) touched_.push_back(label);
-    sum_[label] += weight;
-  }
-  /// Writes the best classes, divided by `total`, and forgets them.
-  void take(double total, uint16_t* label, float* probability) {
-    std::sort(touched_.begin(), touched_.end(),
-              [&](uint16_t a, uint16_t b) { return sum_[a] > sum_[b] || (sum_[a] == sum_[b] && a < b); });
-    for (size_t k = 0; k < SoftLabels::kTop; ++k) {
-      const bool has = k < touched_.size() && total > 0 && sum_[touched_[k]] > 0;
-      label[k] = has ? touched_[k] : kNoLabel;
-      probability[k] = has ? static_cast<float>(sum_[touched_[k]] / total) : 0.f;
-    }
-    for (const uint16_t touched : touched_) sum_[touched] = 0;
-    touched_.clear();
-  }
-
- private:
-  std::vector<double> sum_;
-  std::vector<uint16_t> touched_;
-};
-
 void top_of_row(const float* s, size_t channels, std::vector<uint16_t>& order, uint16_t* label, float* probability) {
   std::fill_n(label, SoftLabels::kTop, kNoLabel);
   std::fill_n(probability, SoftLabels::kTop, 0.f);
   const auto [least, most] = std::minmax_element(s, s + channels);
   if (*least == *most || !std::isfinite(*most)) return;
-  double sum = 0;
-  for (size_t c = 0; c < channels; ++c) sum += std::exp(static_cast<double>(s[c]) - *most);
+  double sum = 0, power = 1;
+  float last = *most;  // most classes of a row have the same value, that of no vote
+  for (size_t c = 0; c < channels; ++c) {
+    if (s[c] != last) power = std::exp(static_cast<double>(s[c]) - *most);
+    last = s[c];
+    sum += power;
+  }
   const size_t kept = std::min(SoftLabels::kTop, channels);
   for (size_t c = 0; c < channels; ++c) order[c] = static_cast<uint16_t>(c);
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), order.end(),
@@ -77,51 +55,6 @@ SoftLabels soft_labels(const GaussianModel& model, ThreadPool& pool) {
     }
   });
   return soft;
-}
-
-void smooth_labels(SoftLabels& soft, const GaussianModel& model, const NeighbourGraph& graph, double extent,
-                   const SmoothingOptions& options, ThreadPool& pool) {
-  const size_t n = soft.size(), k = graph.k;
-  if (k == 0) return;
-  const size_t middle = std::min(k - 1, static_cast<size_t>(options.distance_quantile * static_cast<double>(k)));
-  const double reach = options.reach * extent, color_scale = -0.5 / (options.color_sigma * options.color_sigma);
-  uint16_t classes = 0;
-  for (const uint16_t label : soft.label) classes = label == kNoLabel ? classes : std::max<uint16_t>(classes, label);
-  std::vector<Vec3f> colors(n);
-  std::vector<float> opacities(n);
-  for (size_t i = 0; i < n; ++i) {
-    colors[i] = base_color_of(model, i);
-    opacities[i] = opacity_of(model, i);
-  }
-  for (int round = 0; round < options.rounds; ++round) {
-    SoftLabels next = soft;
-    pool.parallel_for(n, kSoftLabelGrain, [&](size_t begin, size_t end, int) {
-      Tally tally(size_t(classes) + 1);
-      for (size_t i = begin; i < end; ++i) {
-        double total = 0;
-        const auto add = [&](size_t j, double weight) {
-          if (soft.label[SoftLabels::kTop * j] == kNoLabel) return;  // taught by nothing: has no say
-          total += weight;
-          for (size_t s = SoftLabels::kTop * j; s < SoftLabels::kTop * (j + 1) && soft.label[s] != kNoLabel; ++s) {
-            tally.add(soft.label[s], weight * soft.probability[s]);
-          }
-        };
-        add(i, options.own_weight * opacities[i]);
-        const double bandwidth = std::min<double>(graph.distance[k * i + middle], reach);
-        const double distance_scale = bandwidth > 0 ? -0.5 / (bandwidth * bandwidth) : 0;
-        for (size_t slot = k * i; slot < k * (i + 1); ++slot) {
-          const double distance = graph.distance[slot];
-          if (!(distance <= reach)) break;
-          const size_t j = graph.index[slot];
-          const Vec3f difference = colors[i] - colors[j];
-          add(j, opacities[j] *
-                     std::exp(distance * distance * distance_scale + dot(difference, difference) * color_scale));
-        }
-        tally.take(total, &next.label[SoftLabels::kTop * i], &next.probability[SoftLabels::kTop * i]);
-      }
-    });
-    soft = std::move(next);
-  }
 }
 
 GaussianLabels best_labels(const SoftLabels& soft, const LabelSet& labels) {

@@ -1,4 +1,4 @@
-// Class probabilities of the Gaussians, smoothed over their neighbours, and the labels that follow.
+// Class probabilities of the Gaussians, and the labels that follow.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,6 @@
 #include "core/thread_pool.h"
 #include "gaussians/gaussian_model.h"
 #include "gaussians/gaussian_ply.h"
-#include "gaussians/point_tree.h"
 #include "scene/label_set.h"
 
 namespace aligngs {
@@ -24,19 +23,6 @@ struct SoftLabels {
 
 /// softmax of the semantic rows; rows that no pixel taught (all equal) have no class.
 SoftLabels soft_labels(const GaussianModel& model, ThreadPool& pool);
-
-/// Neighbouring Gaussians of similar colour are parts of one object. Each takes the mean of its neighbours'
-/// probabilities, weighted by opacity, distance and similarity of colour (bilateral filter; Tomasi and Manduchi 1998).
-/// This settles Gaussians at object borders and inside of objects, which few pixels taught.
-struct SmoothingOptions {
-  int rounds = 3;
-  double color_sigma = 0.12;       ///< sRGB difference (norm over 3 channels) of unlike things
-  double distance_quantile = 0.5;  ///< the bandwidth is the distance of this share of the neighbours
-  double own_weight = 1;           ///< of the Gaussian's own probabilities, next to about k of the neighbours
-  double reach = 0.02;             ///< neighbours farther than this share of the extent say nothing
-};
-void smooth_labels(SoftLabels& soft, const GaussianModel& model, const NeighbourGraph& graph, double extent,
-                   const SmoothingOptions& options, ThreadPool& pool);
 
 /// Best class and its probability; instances are 0.
 GaussianLabels best_labels(const SoftLabels& soft, const LabelSet& labels);

@@ -94,11 +94,10 @@ std::vector<int> ignored_classes(const LabelSet& labels, const std::string& list
   return classes;
 }
 
-Image<uint8_t> mask_without(const SemanticTarget& target, const std::vector<int>& classes, int width, int height,
+Image<uint8_t> mask_without(const Image<uint16_t>& labels, const std::vector<int>& classes,
                             const IgnoredRegionOptions& options) {
-  Image<uint8_t> mask(width, height, 1, 255);
-  const Image<uint16_t> labels = target_labels(target, width, height);
-  Image<uint8_t> marked(width, height, 1);
+  const int width = labels.width, height = labels.height;
+  Image<uint8_t> mask(width, height, 1, 255), marked(width, height, 1);
   bool any = false;
   for (size_t i = 0; i < labels.data.size(); ++i) {
     if (labels.data[i] == kNoLabel || !std::binary_search(classes.begin(), classes.end(), int(labels.data[i])))

@@ -22,8 +22,9 @@ struct IgnoredRegionOptions {
   double least_share = 0.001;  ///< of the pixels: smaller regions stay, since a teacher errs in single pixels
 };
 
-/// 0 where the teacher sees one of the classes and within a border around it, else 255. Pixels without a label count.
-Image<uint8_t> mask_without(const SemanticTarget& target, const std::vector<int>& classes, int width, int height,
+/// 0 where a label is one of the classes and within a border around it, else 255. `labels` are those of a view's teacher
+/// (target_labels()); pixels without a label count as seen.
+Image<uint8_t> mask_without(const Image<uint16_t>& labels, const std::vector<int>& classes,
                             const IgnoredRegionOptions& options = {});
 
 }  // namespace aligngs

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
-#include "scene/semantic_target.h"
 
 namespace aligngs {
 namespace {
@@ -12,19 +11,12 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// Two classes at 40 x 20 pixels: the second one in [x0, x1) x [y0, y1).
-SemanticTarget target_with(int x0, int x1, int y0, int y1) {
-  constexpr int kWidth = 40, kHeight = 20;
-  std::vector<float> values(2 * kWidth * kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const bool second = x >= x0 && x < x1 && y >= y0 && y < y1;
-      values[size_t(y * kWidth + x)] = second ? 0.1f : 0.9f;
-      values[size_t((kHeight + y) * kWidth + x)] = second ? 0.9f : 0.1f;
-    }
+Image<uint16_t> labels_with(int x0, int x1, int y0, int y1) {
+  Image<uint16_t> labels(40, 20, 1);
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) labels.at(x, y) = 1;
   }
-  SemanticConversion conversion;
-  conversion.kind = SemanticKind::kProbabilities;
-  return semantic_target(values.data(), 2, kWidth, kHeight, conversion);
+  return labels;
 }
 
 TEST(IgnoredClasses, AreNamesAndSynonymsWithCommas) {
@@ -47,7 +39,7 @@ TEST(IgnoredClasses, AnUnknownNameIsRefusedButNotTheDefault) {
 TEST(MaskWithout, HidesTheClassAndABorder) {
   IgnoredRegionOptions options;
   options.border = 0.05;  // 2 of 40 pixels
-  const Image<uint8_t> mask = mask_without(target_with(10, 20, 5, 15), {1}, 40, 20, options);
+  const Image<uint8_t> mask = mask_without(labels_with(10, 20, 5, 15), {1}, options);
   EXPECT_EQ(mask.at(15, 10), 0);
   EXPECT_EQ(mask.at(8, 10), 0);
   EXPECT_EQ(mask.at(7, 10), 255);
@@ -56,19 +48,19 @@ TEST(MaskWithout, HidesTheClassAndABorder) {
 }
 
 TEST(MaskWithout, KeepsOtherClasses) {
-  const Image<uint8_t> mask = mask_without(target_with(40, 40, 0, 0), {1}, 40, 20);
+  const Image<uint8_t> mask = mask_without(labels_with(40, 40, 0, 0), {1});
   EXPECT_THAT(mask.data, testing::Each(255));
 }
 
 TEST(MaskWithout, AStrayPixelIsNoPerson) {
   IgnoredRegionOptions options;
   options.least_share = 0.01;  // 8 of 800 pixels
-  EXPECT_EQ(mask_without(target_with(10, 12, 5, 7), {1}, 40, 20, options).at(10, 5), 255);
-  EXPECT_EQ(mask_without(target_with(10, 13, 5, 8), {1}, 40, 20, options).at(10, 5), 0);
+  EXPECT_EQ(mask_without(labels_with(10, 12, 5, 7), {1}, options).at(10, 5), 255);
+  EXPECT_EQ(mask_without(labels_with(10, 13, 5, 8), {1}, options).at(10, 5), 0);
 }
 
 TEST(MaskWithout, AClassEverywhereHidesEverything) {
-  EXPECT_THAT(mask_without(target_with(0, 40, 0, 20), {1}, 40, 20).data, testing::Each(0));
+  EXPECT_THAT(mask_without(labels_with(0, 40, 0, 20), {1}).data, testing::Each(0));
 }
 
 }  // namespace

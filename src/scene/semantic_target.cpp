@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "core/half.h"
+#include "core/target_clones.h"
+#include "core/vector_lanes.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -69,6 +73,49 @@ struct Sample {
   }
 };
 
+ALIGNGS_TARGET_CLONES void scale_halves(const uint16_t* halves, float factor, size_t count, float* out) {
+  for (size_t i = 0; i < count; ++i) out[i] = factor * half_to_float(halves[i]);
+}
+
+ALIGNGS_TARGET_CLONES void blend(const float* low, const float* high, float weight, size_t count, float* out) {
+  for (size_t i = 0; i < count; ++i) out[i] = low[i] * (1 - weight) + high[i] * weight;
+}
+
+/// The first of the largest values of the blend of two rows.
+ALIGNGS_TARGET_CLONES size_t largest_of_blend(const float* low, const float* high, float weight, size_t count) {
+  typedef int32_t IndexLanes __attribute__((vector_size(kLanes * sizeof(int32_t))));
+  const float rest = 1 - weight;
+  FloatLanes best = FloatLanes{} - std::numeric_limits<float>::infinity();
+  IndexLanes index{};
+  size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    FloatLanes a, b;
+    std::memcpy(&a, low + i, sizeof(a));
+    std::memcpy(&b, high + i, sizeof(b));
+    const FloatLanes value = a * rest + b * weight;
+    const auto larger = value > best;
+    best = larger ? value : best;
+    index = larger ? IndexLanes{} + static_cast<int32_t>(i) : index;
+  }
+  float most = -std::numeric_limits<float>::infinity();
+  size_t found = 0;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const size_t at = static_cast<size_t>(index[lane]) + static_cast<size_t>(lane);
+    if (best[lane] > most || (best[lane] == most && at < found)) {
+      most = best[lane];
+      found = at;
+    }
+  }
+  for (; i < count; ++i) {
+    const float value = low[i] * rest + high[i] * weight;
+    if (value > most) {
+      most = value;
+      found = i;
+    }
+  }
+  return found;
+}
+
 /// Rows of the target as float, multiplied by confidence; keeps the two used last.
 class RowCache {
  public:
@@ -84,9 +131,7 @@ class RowCache {
     for (size_t x = 0; x < width; ++x) {
       const size_t pixel = y * width + x;
       const float confidence = target_.confidence[pixel] * (target_.scale.empty() ? 1.0f : target_.scale[pixel]);
-      for (size_t c = 0; c < channels; ++c) {
-        slot.values[x * channels + c] = confidence * half_to_float(source[x * channels + c]);
-      }
+      scale_halves(source + x * channels, confidence, channels, &slot.values[x * channels]);
     }
     return slot.values;
   }
@@ -147,13 +192,13 @@ Image<uint16_t> target_labels(const SemanticTarget& target, int width, int heigh
   if (target.empty()) return labels;
   const int channels = target.channels;
   RowCache cache(target);
-  std::vector<float> blended(static_cast<size_t>(target.width) * channels), pixel(channels);
+  std::vector<float> blended(static_cast<size_t>(target.width) * channels);
   std::vector<float> confidence(target.width);
   for (int y = 0; y < height; ++y) {
     const Sample v(y, target.height, height);
     const std::vector<float>& top = cache.row(v.low);
     const std::vector<float>& bottom = cache.row(v.high);
-    for (size_t i = 0; i < blended.size(); ++i) blended[i] = top[i] * (1 - v.weight) + bottom[i] * v.weight;
+    blend(top.data(), bottom.data(), v.weight, blended.size(), blended.data());
     for (int x = 0; x < target.width; ++x) {
       const size_t stride = target.width;
       confidence[x] =
@@ -164,8 +209,7 @@ Image<uint16_t> target_labels(const SemanticTarget& target, int width, int heigh
       if (confidence[h.low] * (1 - h.weight) + confidence[h.high] * h.weight < 0.5f) continue;
       const float* left = &blended[static_cast<size_t>(h.low) * channels];
       const float* right = &blended[static_cast<size_t>(h.high) * channels];
-      for (int c = 0; c < channels; ++c) pixel[c] = left[c] * (1 - h.weight) + right[c] * h.weight;
-      labels.at(x, y) = static_cast<uint16_t>(std::max_element(pixel.begin(), pixel.end()) - pixel.begin());
+      labels.at(x, y) = static_cast<uint16_t>(largest_of_blend(left, right, h.weight, static_cast<size_t>(channels)));
     }
   }
   return labels;

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/half.h"
+#include "core/random.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -120,6 +122,41 @@ TEST(TargetLabels, UpsamplingFollowsTheHalfPixelRule) {
   const float planes[] = {1, 0, 0, 1};  // two pixels: class 0, class 1
   const SemanticTarget t = semantic_target(planes, 2, 2, 1, {SemanticKind::kProbabilities, 1});
   EXPECT_EQ(target_labels(t, 8, 1).data, (std::vector<uint16_t>{0, 0, 0, 0, 1, 1, 1, 1}));
+}
+
+// The oracle: each pixel's classes are blended and compared one by one.
+TEST(TargetLabels, EveryPixelHasTheFirstOfItsLargestBlendedClasses) {
+  for (const int channels : {1, 2, 7, 8, 9, 19, 150}) {
+    constexpr int kSmall = 5, kWide = 12;
+    Random random(static_cast<uint64_t>(channels));
+    std::vector<float> values(static_cast<size_t>(channels * kSmall * kSmall));
+    for (float& v : values) v = static_cast<float>(std::floor(random.uniform() * 4));  // ties are common
+    const SemanticTarget t = semantic_target(values.data(), channels, kSmall, kSmall, {SemanticKind::kLogits, 1});
+    const Image<uint16_t> labels = target_labels(t, kWide, kWide);
+    for (int y = 0; y < kWide; ++y) {
+      for (int x = 0; x < kWide; ++x) {
+        const auto at = [](int i) { return std::clamp((i + 0.5) * kSmall / kWide - 0.5, 0.0, kSmall - 1.0); };
+        const int x0 = static_cast<int>(at(x)), y0 = static_cast<int>(at(y));
+        const int x1 = std::min(x0 + 1, kSmall - 1), y1 = std::min(y0 + 1, kSmall - 1);
+        const float wx = static_cast<float>(at(x) - x0), wy = static_cast<float>(at(y) - y0);
+        const auto value = [&](int px, int py, int c) {
+          const size_t p = static_cast<size_t>(py * kSmall + px);
+          return t.scale[p] *
+                 half_to_float(t.probabilities[p * static_cast<size_t>(channels) + static_cast<size_t>(c)]);
+        };
+        int best = 0;
+        float most = -1;
+        for (int c = 0; c < channels; ++c) {
+          const float left = value(x0, y0, c) * (1 - wy) + value(x0, y1, c) * wy,
+                      right = value(x1, y0, c) * (1 - wy) + value(x1, y1, c) * wy;
+          const float blended = left * (1 - wx) + right * wx;
+          if (blended > most) best = c;
+          most = std::max(most, blended);
+        }
+        ASSERT_EQ(labels.at(x, y), best) << channels << " classes, " << x << ", " << y;
+      }
+    }
+  }
 }
 
 TEST(TargetLabels, UnknownPixelsHaveNoLabel) {

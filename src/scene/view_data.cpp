@@ -107,8 +107,7 @@ void apply_masks(const Scene& scene, const View& view, const LoadOptions& option
   if (!scene.ignored.empty() && !view.semantics.empty()) {
     ViewData labelled;
     if (data.semantics.empty()) load_semantics(scene, view, options, labelled);
-    hide(mask_without(data.semantics.empty() ? labelled.semantics : data.semantics, scene.ignored, width, height),
-         data);
+    hide(mask_without(data.semantics.empty() ? labelled.labels : data.labels, scene.ignored), data);
   }
   if (data.mask.empty() || data.prior_depth.empty()) return;
   for (size_t i = 0; i < data.mask.data.size(); ++i) {

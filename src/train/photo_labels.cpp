@@ -4,16 +4,14 @@
 #include <cmath>
 
 #include "engine/cpu/active_classes.h"
-#include "gaussians/object_labels.h"
+#include "gaussians/label_smoothing.h"
 #include "scene/semantic_target.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
 
-constexpr int kRanked = 2;  // classes that no teacher ranks among its two best have no say
-// as where labels are smoothed: the ring around a Gaussian on a surface, and the next one
-constexpr size_t kNeighbours = 16;
+constexpr int kRanked = 2;            // classes that no teacher ranks among its two best have no say
 constexpr double kReach = 0.02;       // / extent: 6 cm in a room; what lies farther apart is not one thing
 constexpr double kLeastSeen = 16;     // pixels of a region in a photo that may name it
 constexpr float kLeastShare = 1e-4f;  // of a row: a class without votes
@@ -179,7 +177,9 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
   std::vector<float> votes = sum_votes(opinions, model.size());
   write_rows(votes, classes, channels, pool, model);
 
-  const SoftLabels soft = smoothed_labels(model, inputs.extent, pool);
+  const LabelSmoother smoother(model, inputs.extent, pool);
+  const NeighbourGraph& graph = smoother.graph();
+  const SoftLabels soft = smoother.smoothed(model, pool);
   std::vector<uint16_t> label(model.size(), kNoLabel);  // channels
   std::vector<uint16_t> channel_of(static_cast<size_t>(model.semantic_channels), kNoLabel);
   for (size_t k = 0; k < classes.size(); ++k) channel_of[classes[k]] = static_cast<uint16_t>(k);
@@ -187,7 +187,6 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
     const uint16_t best = soft.label[SoftLabels::kTop * i];
     if (best != kNoLabel) label[i] = channel_of[best];
   }
-  const NeighbourGraph graph = neighbour_graph(positions_of(model), kNeighbours, pool);
   const LabelRegions regions = connected_regions(label, model, graph, kReach * inputs.extent);
   const RegionEvidence evidence = evidence_of(opinions, regions, classes.size());
   const std::vector<uint16_t> names = name_regions(evidence, inputs.naming);
@@ -199,7 +198,7 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
   write_rows(votes, classes, channels, pool, model);
 
   const OutlineEvidence outlines =
-      outlines_of(opinions, votes, classes, graph, kReach * inputs.extent, smoothed_labels(model, inputs.extent, pool),
+      outlines_of(opinions, votes, classes, graph, kReach * inputs.extent, smoother.smoothed(model, pool),
                   static_cast<size_t>(model.semantic_channels));
   const std::vector<uint16_t> decided = label_outlines(outlines);
   for (size_t i = 0; i < model.size(); ++i) report.moved += decided[i] != outlines.soft.label[SoftLabels::kTop * i];

@@ -86,11 +86,18 @@ void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
   }
   inputs.raster = schedule_.request(iteration).raster;
   inputs.extent = in_.facts.extent;
-  EngineState state;
-  engine_.save_state(state);
+  EngineState state;  // without moments, three times the model, where nothing goes on after the end
+  const bool goes_on = in_.config.checkpoint.keep_finished;
+  if (goes_on)
+    engine_.save_state(state);
+  else
+    engine_.store(state.model);
   const PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
   if (report.regions == 0) return;
-  engine_.load_state(state);
+  if (goes_on)
+    engine_.load_state(state);
+  else
+    engine_.load(state.model);
   events.message(
       iteration, "labels",
       fmt::format(

@@ -201,6 +201,15 @@ float near_plane_of_view(const Scene& scene, const TrainConfig& config, const Pr
   return near_plane_of(depth, config, robust_extent(scene));
 }
 
+std::vector<float> near_planes_of_training_views(const Scene& scene, const TrainConfig& config, const PriorUse& use,
+                                                 ThreadPool& pool) {
+  std::vector<float> planes(scene.train.size());
+  pool.parallel_for(planes.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) planes[i] = near_plane_of_view(scene, config, use, scene.train[i]);
+  });
+  return planes;
+}
+
 int64_t start_limit(const TrainConfig& config, size_t largest_view_pixels) {
   const double per_pixel = config.init.gaussians_per_pixel * static_cast<double>(largest_view_pixels);
   if (per_pixel <= 0) return config.init.max_gaussians;

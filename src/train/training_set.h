@@ -70,6 +70,10 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
 /// the settings ask for it. A view that is no training view has the scene's near plane.
 float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view);
 
+/// near_plane_of_view() of all training views, in their order.
+std::vector<float> near_planes_of_training_views(const Scene& scene, const TrainConfig& config, const PriorUse& use,
+                                                 ThreadPool& pool);
+
 /// The most Gaussians a run may start with: init.max_gaussians and init.gaussians_per_pixel of the largest view.
 int64_t start_limit(const TrainConfig& config, size_t largest_view_pixels);
 

@@ -8,6 +8,7 @@
 #include "scene/view_data.h"
 #include "train/config_file.h"
 #include "train/schedule.h"
+#include "train/training_set.h"
 
 namespace aligngs {
 
@@ -34,6 +35,13 @@ RenderOptions LoadedRun::render_options() const {
   options.semantic_blend = config().semantic.blend;
   options.labels = has_labels();
   return options;
+}
+
+const std::vector<float>& LoadedRun::near_planes() {
+  if (near_planes_.empty()) {
+    near_planes_ = near_planes_of_training_views(scene(), config(), decide_prior_use(scene(), config()), *pool);
+  }
+  return near_planes_;
 }
 
 void LoadedRun::expose_as(int view, ImageF& color) const {

@@ -39,6 +39,8 @@ struct LoadedRun {
   const Scene& scene() const { return opened->scene; }
   /// Camera of a view at the resolution at which the run worked.
   Camera working_camera(int view) const { return opened->working_camera(view); }
+  /// Near planes with which training rendered its views, in the order of scene().train. They are read once.
+  const std::vector<float>& near_planes();
   /// Frees the arrays of `model`: the engine has its own.
   void forget_model();
   bool has_labels() const { return model.semantic_channels > 0; }
@@ -46,6 +48,9 @@ struct LoadedRun {
   RenderOptions render_options() const;
   /// As the camera of a view would have exposed it (scene/exposure_prediction.h).
   void expose_as(int view, ImageF& color) const;
+
+ private:
+  std::vector<float> near_planes_;  ///< empty until they are needed
 };
 
 /// Opens a run (open_run in train/opened_run.h), reads its newest checkpoint and loads it into an engine. Errors as

@@ -212,7 +212,7 @@ MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
     }
     // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
     RenderOptions render = run.render_options();
-    render.raster.near_plane = near_plane_of_view(run.scene(), run.config(), use, view);
+    render.raster.near_plane = run.near_planes()[frames.size()];
     frames.push_back(rendered_frame(run, run.working_camera(view), run.scene().views[view].name, render));
     hide_pixels(run, view, frames.back(), hidden);
   }

@@ -14,7 +14,6 @@
 #include "serve/export_file.h"
 #include "train/opened_run.h"
 #include "train/rendered_view.h"
-#include "train/training_set.h"
 
 namespace aligngs {
 namespace {
@@ -39,15 +38,16 @@ ScaleSource scale_source_of(const Scene& scene) {
   return scene.prior_source == "exact" ? ScaleSource::kTruth : ScaleSource::kNetwork;
 }
 
-PlaneView look(LoadedRun& run, const PriorUse& use, int view) {
-  Camera camera = run.working_camera(view);
+/// `trained`: the number of a training view in their order.
+PlaneView look(LoadedRun& run, size_t trained) {
+  Camera camera = run.working_camera(run.scene().train[trained]);
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(camera.width, camera.height));
   camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))),
                           std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
   RenderOptions options = run.render_options();
   options.geometry = options.labels = true;
   // The near plane of training, as for the mesh.
-  options.raster.near_plane = near_plane_of_view(run.scene(), run.config(), use, view);
+  options.raster.near_plane = run.near_planes()[trained];
   return plane_view_of(camera, run.engine->render(camera, options));
 }
 
@@ -94,8 +94,7 @@ MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects) {
                     "train a scene that has segmentation_logits/");
   }
   RoomInputs inputs;
-  const PriorUse use = decide_prior_use(run.scene(), run.config());
-  for (const int view : run.scene().train) inputs.views.push_back(look(run, use, view));
+  for (size_t i = 0; i < run.scene().train.size(); ++i) inputs.views.push_back(look(run, i));
   inputs.labels = &run.scene().labels;
   inputs.up = run.scene().up;
   inputs.objects = std::move(objects);

@@ -5,6 +5,7 @@
 
 #include "edit/support_fill.h"
 #include "gaussians/gaussian_geometry.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 

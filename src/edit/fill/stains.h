@@ -6,6 +6,7 @@
 
 #include "edit/fill/fill_removed.h"
 #include "edit/fill/near_cells.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 

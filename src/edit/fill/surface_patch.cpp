@@ -8,6 +8,7 @@
 #include "edit/fill/repeated_texture.h"
 #include "edit/fill/surface_colors.h"
 #include "gaussians/gaussian_geometry.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 namespace {

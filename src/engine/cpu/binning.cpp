@@ -7,24 +7,29 @@
 namespace aligngs::cpu {
 namespace {
 
-/// Chunks of the rows, and of the depth order, that count and emit independently; fixed, so that no result depends on
-/// the threads.
-constexpr size_t kChunks = 16;
+constexpr size_t kMostChunks = 16;
 constexpr int kRadixBits = 11, kRadixPasses = 3;  // 33 bits: the whole float in three passes
 constexpr uint32_t kBuckets = 1u << kRadixBits;
+// Counts of the chunks lie that far apart: at a power of two, the same bucket of all chunks would share few cache lines.
+constexpr size_t kBucketStride = kBuckets + 16;
+
+/// Chunks of the rows, and of the depth order, that count and emit independently. No result depends on how many there
+/// are: slots are numbered row by row, and the sorts are stable. Sums over all chunks have one thread, so few are better.
+size_t chunk_count(const ThreadPool& pool) {
+  return std::min(kMostChunks, size_t(2) * static_cast<size_t>(pool.size()));
+}
 
 struct ChunkRange {
   size_t begin, end;
 };
-ChunkRange chunk_range(size_t count, size_t chunk) {
-  const size_t length = (count + kChunks - 1) / kChunks;
-  return {std::min(count, chunk * length), std::min(count, (chunk + 1) * length)};
-}
 
 template <class Body>
 void for_each_chunk(ThreadPool& pool, size_t count, const Body& body) {
-  pool.parallel_for(kChunks, 1, [&](size_t first, size_t last, int) {
-    for (size_t chunk = first; chunk < last; ++chunk) body(chunk, chunk_range(count, chunk));
+  const size_t chunks = chunk_count(pool), length = (count + chunks - 1) / chunks;
+  pool.parallel_for(chunks, 1, [&](size_t first, size_t last, int) {
+    for (size_t chunk = first; chunk < last; ++chunk) {
+      body(chunk, ChunkRange{std::min(count, chunk * length), std::min(count, (chunk + 1) * length)});
+    }
   });
 }
 
@@ -37,11 +42,11 @@ uint32_t depth_key(float z) {
 
 /// Numbers the slots, and lists the visible rows with their depths.
 void list_visible(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
-  const size_t n = view.size();
+  const size_t n = view.size(), chunks = chunk_count(pool);
   lists.slot_begin.resize(n + 1);
   lists.rank.resize(n);
-  lists.chunk_visible.assign(kChunks, 0);
-  lists.chunk_slots.assign(kChunks, 0);
+  lists.chunk_visible.assign(chunks, 0);
+  lists.chunk_slots.assign(chunks, 0);
   for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
     uint64_t visible = 0, slots = 0;
     for (size_t i = range.begin; i < range.end; ++i) {
@@ -53,7 +58,7 @@ void list_visible(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
     lists.chunk_slots[chunk] = slots;
   });
   uint64_t visible = 0, slots = 0;
-  for (size_t chunk = 0; chunk < kChunks; ++chunk) {  // from counts to where each chunk begins
+  for (size_t chunk = 0; chunk < chunks; ++chunk) {  // from counts to where each chunk begins
     visible += std::exchange(lists.chunk_visible[chunk], visible);
     slots += std::exchange(lists.chunk_slots[chunk], slots);
   }
@@ -81,28 +86,28 @@ void list_visible(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
 
 /// Stable least-significant-digit radix sort of lists.visible by lists.keys.
 void sort_by_depth(ThreadPool& pool, TileLists& lists) {
-  const size_t n = lists.visible.size();
+  const size_t n = lists.visible.size(), chunks = chunk_count(pool);
   lists.keys_scratch.resize(n);
   lists.rows_scratch.resize(n);
   for (int pass = 0; pass < kRadixPasses; ++pass) {
     const auto digit = [shift = pass * kRadixBits](uint32_t key) { return (key >> shift) & (kBuckets - 1); };
-    lists.digit_counts.assign(kChunks * kBuckets, 0);
+    lists.digit_counts.assign(chunks * kBucketStride, 0);
     for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
-      uint32_t* count = &lists.digit_counts[chunk * kBuckets];
+      uint32_t* count = &lists.digit_counts[chunk * kBucketStride];
       for (size_t i = range.begin; i < range.end; ++i) ++count[digit(lists.keys[i])];
     });
     uint32_t sum = 0;
     bool alike = false;  // all keys have the same digit: already in order
     for (uint32_t bucket = 0; bucket < kBuckets; ++bucket) {
       const uint32_t before = sum;
-      for (size_t chunk = 0; chunk < kChunks; ++chunk) {
-        sum += std::exchange(lists.digit_counts[chunk * kBuckets + bucket], sum);
+      for (size_t chunk = 0; chunk < chunks; ++chunk) {
+        sum += std::exchange(lists.digit_counts[chunk * kBucketStride + bucket], sum);
       }
       alike |= sum - before == n;
     }
     if (alike) continue;
     for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
-      uint32_t* next = &lists.digit_counts[chunk * kBuckets];
+      uint32_t* next = &lists.digit_counts[chunk * kBucketStride];
       for (size_t i = range.begin; i < range.end; ++i) {
         const uint32_t to = next[digit(lists.keys[i])]++;
         lists.keys_scratch[to] = lists.keys[i];
@@ -131,13 +136,13 @@ void for_each_tile(const TileRect& rect, int tiles_x, const Body& body) {
 }  // namespace
 
 void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
-  const size_t tiles = view.tiles();
+  const size_t tiles = view.tiles(), chunks = chunk_count(pool);
   list_visible(view, pool, lists);
   sort_by_depth(pool, lists);
 
   // cursors[chunk][tile]: first how many instances, then where they go.
   const size_t visible = lists.visible.size();
-  lists.cursors.assign(kChunks * tiles, 0);
+  lists.cursors.assign(chunks * tiles, 0);
   for_each_chunk(pool, visible, [&](size_t chunk, ChunkRange range) {
     uint64_t* count = &lists.cursors[chunk * tiles];
     for (size_t i = range.begin; i < range.end; ++i) {
@@ -148,7 +153,7 @@ void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
   uint64_t position = 0;
   for (size_t tile = 0; tile < tiles; ++tile) {
     lists.tile_begin[tile] = position;
-    for (size_t chunk = 0; chunk < kChunks; ++chunk) {
+    for (size_t chunk = 0; chunk < chunks; ++chunk) {
       uint64_t& cursor = lists.cursors[chunk * tiles + tile];
       const uint64_t count = cursor;
       cursor = position;
