@@ -53,14 +53,64 @@ bool inside_truth_masks(const Vec3f& vertex, const TruthView& view) {
   return seen;
 }
 
+/// `keep(point, hint)`: the hint is 0 at the first point of a chunk, and then as the point before left it.
 template <class Keep>
 std::vector<uint8_t> test_points(const std::vector<Vec3f>& points, ThreadPool& pool, const Keep& keep) {
   std::vector<uint8_t> kept(points.size(), 0);
   pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) kept[i] = keep(points[i]);
+    size_t hint = 0;
+    for (size_t i = begin; i < end; ++i) kept[i] = keep(points[i], hint);
   });
   return kept;
 }
+
+/// Tells cameras that see a point of a surface, and those on whose pixel the truth has none.
+class PointVisibility {
+ public:
+  PointVisibility(const RayScene& rays, const VisibilityTest& test) : rays_(rays), test_(test) {
+    for (const Camera& c : test.cameras) eyes_.push_back(c.centre());
+  }
+
+  /// As VisibilityTest says. `likely`: the camera to ask first, which is then the one that saw the point.
+  bool kept(const Vec3d& point, size_t& likely) const {
+    bool any_missing = false;  // in most rooms truth is everywhere: one camera that sees the point then decides
+    for (size_t c = 0; c < eyes_.size() && test_.truth && !any_missing; ++c)
+      any_missing = in_image(c, point) && missing(c, point);
+    if (!any_missing) return seen_by_any(point, likely);
+    size_t seen = 0, without = 0;
+    for (size_t c = 0; c < eyes_.size(); ++c) {
+      if (!sees(c, point)) continue;
+      ++seen;
+      without += missing(c, point);
+    }
+    return seen > 0 && static_cast<double>(without) <= test_.options.max_missing_truth * static_cast<double>(seen);
+  }
+
+ private:
+  bool in_image(size_t camera, const Vec3d& point) const {
+    return project_into_image(test_.cameras[camera], point).has_value();
+  }
+  bool sees(size_t camera, const Vec3d& point) const {
+    return in_image(camera, point) && rays_.sees(eyes_[camera], point, test_.options.occlusion_tolerance);
+  }
+  bool missing(size_t camera, const Vec3d& point) const {
+    const auto uv = project_into_image(test_.truth->cameras[camera], point);
+    return !uv || !truth_hit_at(test_.truth->hit[camera], *uv);
+  }
+  bool seen_by_any(const Vec3d& point, size_t& likely) const {
+    if (likely < eyes_.size() && sees(likely, point)) return true;
+    for (size_t c = 0; c < eyes_.size(); ++c) {
+      if (c == likely || !sees(c, point)) continue;
+      likely = c;
+      return true;
+    }
+    return false;
+  }
+
+  const RayScene& rays_;
+  const VisibilityTest& test_;
+  std::vector<Vec3d> eyes_;
+};
 
 PointSet select(const SurfaceSamples& samples, const std::vector<uint8_t>& keep) {
   PointSet set;
@@ -114,7 +164,7 @@ std::vector<uint8_t> triangles_in_box(const TriangleMesh& mesh, const std::vecto
 
 std::vector<Vec3f> points_where_truth_is(const std::vector<Vec3f>& points, const TruthView& truth, ThreadPool& pool) {
   const std::vector<uint8_t> keep =
-      test_points(points, pool, [&](const Vec3f& p) { return inside_truth_masks(p, truth); });
+      test_points(points, pool, [&](const Vec3f& p, size_t&) { return inside_truth_masks(p, truth); });
   std::vector<Vec3f> kept;
   for (size_t i = 0; i < keep.size(); ++i) {
     if (keep[i]) kept.push_back(points[i]);
@@ -124,22 +174,9 @@ std::vector<Vec3f> points_where_truth_is(const std::vector<Vec3f>& points, const
 
 VisibleSamples visible_samples(const SurfaceSamples& samples, const RayScene& rays, const VisibilityTest& test,
                                ThreadPool& pool) {
-  const std::vector<Camera>& cameras = test.cameras;
-  const TruthView* const truth = test.truth;
-  std::vector<Vec3d> eyes;
-  for (const Camera& c : cameras) eyes.push_back(c.centre());
-  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p) {
-    const Vec3d point = p.cast<double>();
-    size_t seen = 0, missing = 0;
-    for (size_t c = 0; c < cameras.size(); ++c) {
-      if (!project_into_image(cameras[c], point)) continue;
-      if (!rays.sees(eyes[c], point, test.options.occlusion_tolerance)) continue;
-      if (!truth) return true;
-      ++seen;
-      const auto uv = project_into_image(truth->cameras[c], point);
-      missing += !uv || !truth_hit_at(truth->hit[c], *uv);
-    }
-    return seen > 0 && static_cast<double>(missing) <= test.options.max_missing_truth * static_cast<double>(seen);
+  const PointVisibility visibility(rays, test);
+  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p, size_t& likely) {
+    return visibility.kept(p.cast<double>(), likely);
   });
   VisibleSamples visible;
   visible.points = select(samples, keep);

@@ -185,11 +185,15 @@ std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera
   constexpr size_t kPointGrain = 256;  // some milliseconds of rays
   std::vector<uint8_t> seen(points.size(), 0);
   pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
+    size_t likely = 0;  // the camera that saw the point before
     for (size_t i = begin; i < end; ++i) {
       const Vec3d p = points[i].cast<double>();
-      seen[i] = std::any_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
-        return project_into_image(camera, p) && scene.sees(camera.centre(), p, tolerance);
-      });
+      for (size_t k = 0; k < cameras.size() && !seen[i]; ++k) {
+        const size_t c = (likely + k) % cameras.size();
+        if (!project_into_image(cameras[c], p) || !scene.sees(cameras[c].centre(), p, tolerance)) continue;
+        seen[i] = 1;
+        likely = c;
+      }
     }
   });
   return seen;
