@@ -9,6 +9,7 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
+#include "refine/camera_report.h"
 #include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
 
@@ -143,8 +144,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
     print_json(document);
     return;
   }
-  std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n",
-              result.tracks, result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  std::printf("%s\n", camera_report(result).c_str());
   if (report.measured > 0)
     std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows the measurements around it\n",
                 100 * report.measured);

@@ -7,6 +7,7 @@
 
 #include "core/log.h"
 #include "io/file_system_error.h"
+#include "refine/camera_report.h"
 #include "refine/completed_scene.h"
 #include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
@@ -114,9 +115,10 @@ void refine_into_run(const Scene& scene, const fs::path& run, const TrainConfig&
   const RefineSceneReport report = refine_scene(trained_part(scene, config), run / "scene", options, pool);
   log_info("prior depth: {}", report.depth_placement);
   const RefineResult& result = report.cameras;
-  log_info(
-      "cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}",
-      result.tracks, result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  if (result.tracks == 0)
+    log_warning("{}", camera_report(result));
+  else
+    log_info("{}", camera_report(result));
   const auto misplaced =
       std::count_if(result.views.begin(), result.views.end(), [](const RefinedView& v) { return v.misplaced; });
   if (misplaced > 0) log_info("{} misplaced photos were found at other places, by the points of the others", misplaced);
