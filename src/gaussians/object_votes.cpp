@@ -5,208 +5,14 @@
 #include <map>
 #include <tuple>
 
-#include "core/disjoint_sets.h"
 #include "gaussians/density_links.h"
 #include "gaussians/soft_labels.h"
+#include "gaussians/voted_pieces.h"
 
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kNoPiece = ~0u;
-constexpr size_t kLinkGrain = 256;  // links per chunk
-
-/// Pixels of a piece in a segment of a photo.
-struct PieceView {
-  uint32_t photo = 0;
-  uint16_t segment = 0;  ///< SegmentMap::kNone: in no segment of a thing
-  uint16_t label = 0;    ///< class that the photo gives the segment
-  double pixels = 0;
-  bool is_thing() const { return segment != SegmentMap::kNone; }
-};
-using PieceViews = std::vector<PieceView>;  // by photo, then segment
-
-bool before(const PieceView& a, const PieceView& b) {
-  return std::tie(a.photo, a.segment) < std::tie(b.photo, b.segment);
-}
-
-PieceViews joined(const PieceViews& a, const PieceViews& b) {
-  PieceViews out;
-  size_t i = 0, j = 0;
-  while (i < a.size() || j < b.size()) {
-    if (j == b.size() || (i < a.size() && before(a[i], b[j]))) {
-      out.push_back(a[i++]);
-    } else if (i == a.size() || before(b[j], a[i])) {
-      out.push_back(b[j++]);
-    } else {
-      out.push_back(a[i++]);
-      out.back().pixels += b[j++].pixels;
-    }
-  }
-  return out;
-}
-
-size_t end_of_photo(const PieceViews& views, size_t begin) {
-  size_t end = begin;
-  while (end < views.size() && views[end].photo == views[begin].photo) ++end;
-  return end;
-}
-
-/// Votes of the photos for joining two pieces.
-double votes_for(const PieceViews& a, const PieceViews& b, double enough) {
-  double votes = 0;
-  size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (a[i].photo != b[j].photo) {
-      (a[i].photo < b[j].photo ? i : j) = a[i].photo < b[j].photo ? end_of_photo(a, i) : end_of_photo(b, j);
-      continue;
-    }
-    const size_t i_end = end_of_photo(a, i), j_end = end_of_photo(b, j);
-    double all_a = 0, all_b = 0, same = 0, other = 0;
-    for (size_t k = i; k < i_end; ++k) all_a += a[k].pixels;
-    for (size_t k = j; k < j_end; ++k) all_b += b[k].pixels;
-    for (size_t k = i; k < i_end; ++k) {
-      for (size_t l = j; l < j_end; ++l) {
-        if (!a[k].is_thing() || !b[l].is_thing()) continue;
-        const double both = a[k].pixels * b[l].pixels;
-        if (a[k].segment == b[l].segment)
-          same += both;
-        else if (a[k].label == b[l].label)
-          other += both;
-      }
-    }
-    votes += (same - other) / (all_a * all_b) * std::min(1.0, std::min(all_a, all_b) / enough);
-    i = i_end;
-    j = j_end;
-  }
-  return votes;
-}
-
-/// Two pieces that may join; a < b.
-struct PieceLink {
-  uint32_t a = 0, b = 0;
-  bool touches = false;
-  double votes = 0;
-};
-
-/// An order of links with equal votes in which neighbours of one piece are far apart.
-uint64_t shuffled(const PieceLink& link) {
-  uint64_t x = (uint64_t(link.a) << 32 | link.b) + 0x9e3779b97f4a7c15ull;  // splitmix64 (Steele et al. 2014)
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
-bool stronger(const PieceLink& a, const PieceLink& b) {
-  if (a.votes != b.votes) return a.votes > b.votes;
-  return shuffled(a) > shuffled(b);
-}
-
-/// Pieces of one class that join.
-class Pieces {
- public:
-  Pieces(std::vector<PieceViews> views, std::vector<size_t> sizes, const ObjectVoteOptions& options, ThreadPool& pool)
-      : views_(std::move(views)), sizes_(std::move(sizes)), sets_(views_.size()), options_(options), pool_(pool) {}
-
-  uint32_t of(uint32_t cell) { return sets_.find(cell); }
-  size_t size(uint32_t piece) const { return sizes_[piece]; }
-
-  /// Joins each time all pairs that are each other's best, until no votes are for joining.
-  void join(std::vector<PieceLink> links) {
-    while (true) {
-      renew(links);
-      std::vector<uint32_t> best(views_.size(), kNoPiece);
-      for (uint32_t l = 0; l < links.size(); ++l) {
-        for (const uint32_t piece : {links[l].a, links[l].b}) {
-          if (best[piece] == kNoPiece || stronger(links[l], links[best[piece]])) best[piece] = l;
-        }
-      }
-      bool any = false;
-      for (uint32_t l = 0; l < links.size(); ++l) {
-        if (!(links[l].votes > 0) || best[links[l].a] != l || best[links[l].b] != l) continue;
-        unite(links[l].a, links[l].b);
-        any = true;
-      }
-      if (!any) break;
-    }
-    links_ = std::move(links);
-  }
-
-  /// Links between pieces of at least `least` members that touch nothing of each other, but share a segment.
-  std::vector<PieceLink> links_by_segments(size_t least) {
-    std::map<std::pair<uint32_t, uint16_t>, std::vector<uint32_t>> by_segment;
-    for (uint32_t c = 0; c < views_.size(); ++c) {
-      if (of(c) != c || sizes_[c] < least) continue;
-      for (size_t i = 0; i < views_[c].size();) {
-        const size_t end = end_of_photo(views_[c], i);
-        const auto most = std::max_element(views_[c].begin() + static_cast<std::ptrdiff_t>(i),
-                                           views_[c].begin() + static_cast<std::ptrdiff_t>(end),
-                                           [](const auto& x, const auto& y) { return x.pixels < y.pixels; });
-        if (most->is_thing()) by_segment[{most->photo, most->segment}].push_back(c);
-        i = end;
-      }
-    }
-    std::vector<PieceLink> links = links_;
-    for (const auto& [segment, pieces] : by_segment) {
-      for (size_t i = 0; i < pieces.size(); ++i) {
-        for (size_t j = i + 1; j < pieces.size(); ++j) links.push_back({pieces[i], pieces[j], false, 0});
-      }
-    }
-    return links;
-  }
-
-  /// Pieces of fewer than `least` members join the touching piece of more for which most votes are.
-  void join_small(size_t least) {
-    renew(links_);
-    std::map<uint32_t, PieceLink> best;  // by small piece
-    for (const PieceLink& link : links_) {
-      for (const auto& [small, large] : {std::pair(link.a, link.b), std::pair(link.b, link.a)}) {
-        if (!link.touches || sizes_[small] >= least || sizes_[large] < least) continue;
-        const auto known = best.find(small);
-        if (known == best.end() || stronger(link, known->second)) best[small] = link;
-      }
-    }
-    for (const auto& [small, link] : best) unite(of(link.a), of(link.b));
-  }
-
- private:
-  /// Brings links to the pieces of now: one for each pair, with its votes.
-  void renew(std::vector<PieceLink>& links) {
-    for (PieceLink& link : links) {
-      const uint32_t a = of(link.a), b = of(link.b);
-      link.a = std::min(a, b);
-      link.b = std::max(a, b);
-    }
-    std::erase_if(links, [](const PieceLink& l) { return l.a == l.b; });
-    std::sort(links.begin(), links.end(), [](const auto& x, const auto& y) {
-      return std::tuple(x.a, x.b, !x.touches) < std::tuple(y.a, y.b, !y.touches);
-    });
-    links.erase(
-        std::unique(links.begin(), links.end(), [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; }),
-        links.end());
-    pool_.parallel_for(links.size(), kLinkGrain, [&](size_t begin, size_t end, int) {
-      for (size_t l = begin; l < end; ++l) {
-        links[l].votes = votes_for(views_[links[l].a], views_[links[l].b], options_.enough_pixels) +
-                         (links[l].touches ? options_.touching : -options_.apart);
-      }
-    });
-  }
-
-  void unite(uint32_t a, uint32_t b) {
-    if (a == b) return;
-    sets_.unite(a, b);
-    const uint32_t kept = sets_.find(a), gone = kept == a ? b : a;
-    views_[kept] = joined(views_[kept], views_[gone]);
-    views_[gone].clear();
-    sizes_[kept] += sizes_[gone];
-  }
-
-  std::vector<PieceViews> views_;
-  std::vector<size_t> sizes_;
-  DisjointSets sets_;
-  ObjectVoteOptions options_;
-  ThreadPool& pool_;
-  std::vector<PieceLink> links_;
-};
+constexpr size_t kVoteGrain = 256;  // Gaussians or pieces per chunk
 
 /// Sightings of the Gaussians of one class, by their place among its rows.
 using ClassSightings = std::vector<std::pair<uint32_t, PieceView>>;
@@ -249,7 +55,7 @@ void settle_borders(const DensityLinks& links, const ClassSightings& sightings, 
       for (auto& [object, pixels] : objects) pixels /= all;
     }
     const std::vector<uint32_t> before = group;
-    pool.parallel_for(n, kLinkGrain, [&](size_t begin, size_t end, int) {
+    pool.parallel_for(n, kVoteGrain, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
         if (before[i] == DensityLinks::kNoise || seen[i].empty()) continue;
         std::map<uint32_t, double> scores = {{before[i], 0.0}};
@@ -286,7 +92,7 @@ std::vector<uint32_t> voted_groups(const std::vector<Vec3f>& points, const Densi
   for (const auto& [i, view] : sightings) {
     if (cell[i] != kNoPiece) views[cell[i]].push_back(view);
   }
-  pool.parallel_for(count, kLinkGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(count, kVoteGrain, [&](size_t begin, size_t end, int) {
     for (size_t c = begin; c < end; ++c) {
       std::stable_sort(views[c].begin(), views[c].end(), before);
       PieceViews once;

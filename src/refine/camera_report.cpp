@@ -6,7 +6,8 @@ namespace aligngs {
 
 std::string camera_report(const RefineResult& result) {
   if (result.tracks == 0) {
-    return "no point was found in two photos, so the cameras stay where they were; photos that overlap more can correct "
+    return "no point was found in two photos, so the cameras stay where they were; photos that overlap more can "
+           "correct "
            "them";
   }
   return fmt::format(

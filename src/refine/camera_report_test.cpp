@@ -16,8 +16,8 @@ TEST(CameraReport, TellsTheFitBeforeAndAfter) {
 }
 
 TEST(CameraReport, WithoutTracksNoErrorIsClaimed) {
-  EXPECT_THAT(camera_report({}), testing::AllOf(testing::HasSubstr("the cameras stay"),
-                                                testing::Not(testing::HasSubstr("px"))));
+  EXPECT_THAT(camera_report({}),
+              testing::AllOf(testing::HasSubstr("the cameras stay"), testing::Not(testing::HasSubstr("px"))));
 }
 
 }  // namespace
