@@ -46,6 +46,7 @@ ROWS = [
     Row("rgb", "default", "default", refine=REFINED, compare_with=["3dgs", "pgsr", "default, from the points", "pgsr, the same scene"]),
     Row("rgb", "pgsr, the same scene", "pgsr", ladder_rows.PGSR_PRIOR + ladder_rows.UNPROJECTED, refine=REFINED, compare_with=["pgsr"]),
     Row("rgb", "default, photos as exposed", "default", ["data.exposure=false"], refine=REFINED, compare_with=["default", "3dgs", "pgsr"]),
+    Row("rgb", "default, without bare planes", "default", refine=["--no-bare-planes"], compare_with=["default"]),
     Row("rgb", "default, multi-view terms", "default", ladder_rows.MULTI_VIEW, refine=REFINED, compare_with=["default"]),
     Row("rgb", "default, from the points", "default", compare_with=["3dgs", "pgsr"]),
     Row("rgb", "default, from the points, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default, from the points"]),

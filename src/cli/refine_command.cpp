@@ -18,8 +18,8 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false,
-       no_plane_trials = false, no_panels = false, no_screens = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, no_bare_planes = false, tables = false,
+       fuse_labels = false, no_square = false, no_plane_trials = false, no_panels = false, no_screens = false;
   bool no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
@@ -62,6 +62,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   MeasureSceneOptions measure_options;
   measure_options.exposure = !options.no_exposure;
   measure_options.planes = !options.no_planes;
+  measure_options.bare_planes = !options.no_planes && !options.no_bare_planes;
   measure_options.surfaces = surfaces_of(options);
   measure_options.plane_settings.sure.square = !options.no_square;
   measure_options.panels = !options.no_panels;
@@ -79,6 +80,8 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
                                              {"depth_measured", report.measured},
                                              {"planes", report.planes.planes.size()},
                                              {"on_planes", report.planes.on_planes},
+                                             {"bare_planes", report.bare.planes.size()},
+                                             {"on_bare_planes", report.bare.on_planes},
                                              {"square", report.planes.axes.has_value()},
                                              {"up", up_json(report.planes.axes)},
                                              {"panels", report.planes.panels.size()},
@@ -91,6 +94,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
       "them\n",
       report.views, 100 * report.measured);
   print_planes(report.planes.planes, report.planes.on_planes, report.planes.axes);
+  print_planes(report.bare.planes, report.bare.on_planes, std::nullopt);
   print_panels(report.planes.panels.size());
   print_exposure(report.log_gains);
 }
@@ -184,6 +188,10 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
                  "correct depth by a smooth factor per photo, without multi-view stereo")
       ->group("Depth");
   command->add_flag("--no-planes", options->no_planes, "leave the depth of walls, floor and ceiling off their planes")
+      ->group("Planes");
+  command
+      ->add_flag("--no-bare-planes", options->no_bare_planes,
+                 "where depth is measured without labels, keep bare surfaces off the planes of what was measured")
       ->group("Planes");
   command->add_flag("--plane-tables", options->tables, "put the tops of tables, desks and counters on planes, too")
       ->group("Planes");

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/progress.h"
+#include "refine/bare_planes.h"
 #include "refine/exposure.h"
 #include "refine/labelled_depth.h"
 #include "refine/photo_depth.h"
@@ -18,6 +19,8 @@ struct MeasureSceneOptions {
   LabelledDepthSettings plane_settings;
   bool planes = true;  ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
+  bool bare_planes = true;  ///< without labels, bare surfaces are laid on planes of what was measured
+  BarePlaneSettings bare_settings;
   bool panels = true;  ///< and panes, mirrors, screens and pictures on planes of their own
   ExposureSettings exposure_settings;
   bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
@@ -34,6 +37,7 @@ struct MeasureSceneReport {
   double measured = 0;  ///< mean over the training views of the share of pixels whose depth another photo confirms
   size_t views = 0;     ///< training views whose depth could be measured; 0: nothing was written
   LabelledDepthReport planes;    ///< nothing in it without labels
+  BarePlaneReport bare;          ///< nothing in it with labels
   std::vector<Vec3f> log_gains;  ///< of the training views; empty without
 };
 

@@ -12,7 +12,7 @@ namespace {
 using namespace screen_room;
 
 std::vector<ScreenRegion> regions_of(const Photo& p) {
-  return screen_regions(p.view, 3, luma_gradient(p.luma), kClasses, {});
+  return screen_regions(p.view, 3, luma_gradient(p.luma), kScreenClasses, {});
 }
 
 TEST(ScreenRegions, AScreenIsOneWithItsDepthAndDirection) {

@@ -12,7 +12,7 @@
 namespace aligngs::screen_room {
 
 // x right, y down, z forward, metres; cameras look along +z.
-inline constexpr double kWall = 3, kFloor = 1.3;
+inline constexpr double kWall = 3, kScreenFloor = 1.3;
 /// of the sideboard, which reaches from there to wall and floor
 inline constexpr double kTop = 0.5, kFront = 2.5;
 inline constexpr double kHalfWidth = 0.45, kHigh = -0.1;    ///< of the screen, and its upper edge
@@ -20,7 +20,7 @@ inline constexpr double kHanging = 2.95, kStanding = 2.75;  ///< its distance
 /// its lower edge: a foot lifts a standing one off the top
 inline constexpr double kLowHanging = 0.35, kLowStanding = 0.45;
 inline constexpr uint16_t kOtherLabel = 0, kScreenLabel = 1;
-inline const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kScreen};
+inline const std::vector<PanelClass> kScreenClasses = {PanelClass::kNone, PanelClass::kScreen};
 inline constexpr int kPhotoWidth = 320, kPhotoHeight = 240;
 
 /// The screen's rectangle turned by `turn` radians about the vertical line through its middle, at the distance z.
@@ -41,7 +41,7 @@ inline ScenePlane plane(const Vec3d& normal, double offset, PlaneKind kind) {
   return out;
 }
 inline std::vector<ScenePlane> planes() {
-  return {plane({0, 0, -1}, kWall, PlaneKind::kWall), plane({0, -1, 0}, kFloor, PlaneKind::kFloor)};
+  return {plane({0, 0, -1}, kWall, PlaneKind::kWall), plane({0, -1, 0}, kScreenFloor, PlaneKind::kFloor)};
 }
 
 inline Camera camera(double x, double y, double turn) {
@@ -85,7 +85,7 @@ inline Photo photo(const Camera& camera, const Screen& screen) {
           value = v;
           return true;
         };
-        const double floor = (kFloor - origin.y) / ray.y, top = (kTop - origin.y) / ray.y,
+        const double floor = (kScreenFloor - origin.y) / ray.y, top = (kTop - origin.y) / ray.y,
                      front = (kFront - origin.z) / ray.z;
         nearer(floor, 0.4f);
         if (origin.z + top * ray.z > kFront) nearer(top, 0.55f);

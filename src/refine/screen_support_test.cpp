@@ -26,7 +26,7 @@ struct Room {
   Photos photos{Screen{}};
   std::vector<ScenePlane> layout = planes();
   ThreadPool pool{2};
-  ScreenSupport support() { return ScreenSupport(photos.views, kClasses, layout, {}, pool); }
+  ScreenSupport support() { return ScreenSupport(photos.views, kScreenClasses, layout, {}, pool); }
 };
 
 TEST(ScreenSupport, AScreenJustBeforeItsWallHangs) {

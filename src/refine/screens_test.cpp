@@ -13,7 +13,7 @@ using namespace screen_room;
 
 std::vector<Panel> place(const Photos& photos, std::vector<Panel> panels = {}) {
   ThreadPool pool(2);
-  return place_screens(photos.views, photos.luma_pointers(), kClasses, planes(), std::move(panels), {}, pool);
+  return place_screens(photos.views, photos.luma_pointers(), kScreenClasses, planes(), std::move(panels), {}, pool);
 }
 
 /// The panel of a screen that faces the room.
@@ -137,7 +137,7 @@ TEST(Screens, TheSameForAnyNumberOfThreads) {
   photos.misjudge(0.37);
   ThreadPool one(1), three(3);
   const auto by = [&](ThreadPool& pool) {
-    return place_screens(photos.views, photos.luma_pointers(), kClasses, planes(), {}, {}, pool);
+    return place_screens(photos.views, photos.luma_pointers(), kScreenClasses, planes(), {}, {}, pool);
   };
   const std::vector<Panel> a = by(one), b = by(three);
   ASSERT_EQ(a.size(), 1u);

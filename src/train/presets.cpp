@@ -26,6 +26,7 @@ PresetChanges paper_changes() {
   return {Preset::kDefault,
           {
               {"data.measure_depth", value(false)},
+              {"data.bare_planes", value(false)},
               {"data.refine_cameras", value(false)},
               {"data.refine_stereo", value(false)},
               {"data.refine_planes", value(false)},

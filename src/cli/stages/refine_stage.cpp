@@ -56,6 +56,7 @@ std::string describe_check(const SensorCameras& check, bool asked) {
 bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
                       const CommandContext& context) {
   auto options = options_of<MeasureSceneOptions>(config, context);
+  options.bare_planes = config.data.bare_planes;
   options.plane_settings.sure.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   make_folders(run);
@@ -66,6 +67,10 @@ bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig
   }
   log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views,
            100 * report.measured);
+  if (!report.bare.planes.empty()) {
+    log_info("{} planes without labels; {:.0f} % of the pixels lie on one", report.bare.planes.size(),
+             100 * report.bare.on_planes);
+  }
   return true;
 }
 

@@ -1,0 +1,201 @@
+#include "refine/bare_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/is_depth.h"
+#include "io/resample.h"
+#include "refine/plane_depth.h"
+#include "refine/view_overlap.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kFarShare = 0.98;  // of what a photo measured: the rest may be wrong
+constexpr float kNowhere = 3;       // cost of a plane that a ray does not meet
+constexpr int kMostHiding = 2;      // photos that count
+
+/// The photos as they are divided: small, with all of their depth and with what is measured alone.
+struct SmallPhotos {
+  std::vector<MatchView> all;
+  std::vector<MeasuredView> measured;
+};
+
+SmallPhotos small_photos(const std::vector<MatchView>& views, const std::vector<PhotoDepth>& depths, int most_width,
+                         ThreadPool& pool) {
+  SmallPhotos small{std::vector<MatchView>(views.size()), std::vector<MeasuredView>(views.size())};
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const Camera& camera = views[i].camera;
+      const int width = std::min(most_width, camera.width),
+                height = std::max(1, (camera.height * width + camera.width / 2) / camera.width);
+      small.all[i] = {camera.resized(width, height), resize_area(views[i].luma, width, height), {}};
+      MeasuredView& measured = small.measured[i];
+      measured.camera = small.all[i].camera;
+      measured.depth = ImageF(width, height, 1);
+      if (depths[i].depth.empty()) continue;
+      small.all[i].depth = resize_nearest(depths[i].depth, width, height);
+      measured.certainty = resize_nearest(depths[i].certainty, width, height);
+      for (size_t p = 0; p < measured.depth.data.size(); ++p) {
+        if (measured.certainty.data[p] > 0) measured.depth.data[p] = small.all[i].depth.data[p];
+      }
+    }
+  });
+  return small;
+}
+
+float far_end(const ImageF& depth) {
+  std::vector<float> values;
+  for (const float z : depth.data) {
+    if (z > 0) values.push_back(z);
+  }
+  if (values.empty()) return 0;
+  const auto far = values.begin() + static_cast<ptrdiff_t>(kFarShare * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), far, values.end());
+  return *far;
+}
+
+/// Doubts about a surface in each pixel of a photo.
+class Evidence {
+ public:
+  /// `partners` are compared with the photo, and `others` are asked what they measured.
+  Evidence(const SmallPhotos& photos, size_t photo, const std::vector<int>& others, const std::vector<int>& partners,
+           const BarePlaneSettings& settings, const StereoSettings& stereo)
+      : view_(photos.all[photo]),
+        measured_(photos.measured[photo].depth),
+        settings_(settings),
+        sweep_(stereo.sweep),
+        farthest_(static_cast<float>(settings.farthest) * far_end(measured_)) {
+    sweep_.hypotheses = 1;
+    for (const int k : partners) partners_.push_back(&photos.all[static_cast<size_t>(k)]);
+    for (const int k : others) {
+      const MeasuredView& other = photos.measured[static_cast<size_t>(k)];
+      others_.push_back({&other, other.camera.world_to_camera * view_.camera.world_to_camera.inverse()});
+    }
+  }
+
+  /// Costs of a surface with this depth: a plane, or the depth that the photo has.
+  void add(const ImageF& depth, bool plane, int label, ImageF& costs) const {
+    const CostVolume photo = sweep_prior_depth({view_.camera, view_.luma, depth}, partners_, sweep_);
+    for (int y = 0; y < depth.height; ++y) {
+      for (int x = 0; x < depth.width; ++x) {
+        const float z = depth.at(x, y), measured = measured_.at(x, y);
+        float& cost = costs.at(x, y, label);
+        if (!is_depth(z) || (plane && z > farthest_)) {
+          cost = kNowhere;
+        } else if (measured > 0) {
+          const double off = std::log(static_cast<double>(z / measured)) / settings_.reach;
+          cost = plane ? static_cast<float>(off * off / (1 + off * off)) : settings_.of_own_depth;
+        } else {
+          cost = settings_.photo * std::min(1.0f, *photo.at(x, y)) + of_others(x, y, static_cast<double>(z)) +
+                 (plane ? 0 : settings_.of_between);
+        }
+      }
+    }
+  }
+
+ private:
+  struct Other {
+    const MeasuredView* view;
+    Rigidd to_it;
+  };
+
+  /// The other photos about a place: measured things behind it, and the place itself.
+  float of_others(int x, int y, double z) const {
+    const Vec3d place = view_.camera.ray(x + 0.5, y + 0.5) * z;
+    int hidden = 0;
+    bool confirmed = false;
+    for (const Other& other : others_) {
+      const Vec3d p = other.to_it * place;
+      if (!(p.z > 0)) continue;
+      const Vec2d at = other.view->camera.project(p);
+      if (!other.view->camera.contains(at)) continue;
+      const double seen = static_cast<double>(other.view->depth.at(static_cast<int>(at.x), static_cast<int>(at.y)));
+      if (!(seen > 0)) continue;
+      hidden += seen > p.z * (1 + settings_.least_hidden);
+      confirmed |= std::abs(seen - p.z) <= settings_.agreement * p.z;
+    }
+    return settings_.hides * static_cast<float>(std::min(hidden, kMostHiding)) -
+           (confirmed ? settings_.confirmed : 0.0f);
+  }
+
+  const MatchView& view_;
+  const ImageF& measured_;
+  const BarePlaneSettings& settings_;
+  SweepSettings sweep_;
+  float farthest_;
+  std::vector<const MatchView*> partners_;
+  std::vector<Other> others_;
+};
+
+ImageF depth_on(const CameraPlane& plane, const Camera& camera) {
+  ImageF depth(camera.width, camera.height, 1);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x)
+      depth.at(x, y) = static_cast<float>(plane.depth(camera.ray(x + 0.5, y + 0.5)));
+  }
+  return depth;
+}
+
+/// Moves pixels onto the planes that `labels` says (0 = none), and those between with them. Returns how many lie on one.
+size_t move_onto(const std::vector<CameraPlane>& planes, const Image<uint8_t>& labels, const MatchView& view,
+                 const BarePlaneSettings& settings, const LogCorrectionSettings& spread, PhotoDepth& depth) {
+  ImageF given(depth.depth.width, depth.depth.height, 1), weight = depth.certainty;
+  size_t on = 0;
+  for (int y = 0; y < weight.height; ++y) {
+    for (int x = 0; x < weight.width; ++x) {
+      const uint8_t label = labels.at(x * labels.width / weight.width, y * labels.height / weight.height);
+      const float z = depth.depth.at(x, y);
+      if (label == 0 || !is_depth(z)) continue;
+      const double there = planes[label - 1u].depth(view.camera.ray(x + 0.5, y + 0.5));
+      if (!(there > 0)) continue;
+      const float sure = weight.at(x, y), all = sure + static_cast<float>(settings.strength);
+      weight.at(x, y) = all;
+      given.at(x, y) = static_cast<float>(settings.strength * std::log(there / static_cast<double>(z))) / all;
+      depth.certainty.at(x, y) = std::max(sure, static_cast<float>(settings.certainty));
+      ++on;
+    }
+  }
+  const ImageF factor = spread_log_correction(depth.depth, given, weight, spread, view.luma);
+  for (size_t p = 0; p < factor.data.size(); ++p) depth.depth.data[p] *= std::exp(factor.data[p]);
+  return on;
+}
+
+}  // namespace
+
+BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const BarePlaneSettings& settings,
+                                   const StereoSettings& stereo, ThreadPool& pool, std::vector<PhotoDepth>& depths) {
+  BarePlaneReport report;
+  const SmallPhotos photos = small_photos(views, depths, settings.width, pool);
+  report.planes = measured_planes(photos.measured, settings.planes, pool);
+  if (report.planes.empty()) return report;
+  std::vector<const MatchView*> pointers;
+  for (const MatchView& photo : photos.all) pointers.push_back(&photo);
+  const std::vector<std::vector<int>> partners = stereo_partners(pointers, stereo);
+  const std::vector<std::vector<int>> others =
+      overlapping_views(pointers, pointers, settings.neighbours, stereo.least_overlap / 2, 2 * stereo.largest_turn);
+  std::vector<size_t> on(views.size(), 0);
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      if (depths[i].depth.empty()) continue;
+      const MatchView& view = photos.all[i];
+      const std::vector<CameraPlane> planes = in_frame_of(view.camera, report.planes);
+      const Evidence evidence(photos, i, others[i], partners[i], settings, stereo);
+      ImageF costs(view.camera.width, view.camera.height, static_cast<int>(planes.size()) + 1);
+      evidence.add(view.depth, false, 0, costs);
+      for (size_t k = 0; k < planes.size(); ++k)
+        evidence.add(depth_on(planes[k], view.camera), true, static_cast<int>(k) + 1, costs);
+      const Image<uint8_t> labels = label_by_paths(costs, view.luma, settings.paths);
+      on[i] = move_onto(planes, labels, views[i], settings, stereo.spread, depths[i]);
+    }
+  });
+  size_t pixels = 0, laid = 0;
+  for (size_t i = 0; i < views.size(); ++i) {
+    pixels += depths[i].depth.pixels();
+    laid += on[i];
+  }
+  report.on_planes = pixels == 0 ? 0 : static_cast<double>(laid) / static_cast<double>(pixels);
+  return report;
+}
+
+}  // namespace aligngs

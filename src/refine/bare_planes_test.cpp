@@ -1,0 +1,102 @@
+#include "refine/bare_planes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "refine/wall_photos_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+using namespace wall_photos;
+
+/// Photos of the corner. Part of the back wall is bare: nothing was measured there, and the depth between is wrong.
+struct BareCorner {
+  static constexpr double kLeft = -0.6, kRight = 0.4, kTop = -0.7, kBottom = 0.2;  // of the bare part
+  std::vector<MatchView> views;
+  std::vector<PhotoDepth> depths;
+  std::vector<ImageF> truth;
+  std::vector<Image<uint8_t>> bare;
+
+  explicit BareCorner(int count) {
+    for (int i = 0; i < count; ++i) {
+      RefineView shown = photo(true_camera(i), 0.3);
+      PhotoDepth depth;
+      depth.depth = shown.match.depth;
+      depth.certainty = ImageF(kWidth, kHeight, 1, 0.5f);
+      bare.emplace_back(kWidth, kHeight, 1);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          const Vec3d at =
+              shown.match.camera.unproject(x + 0.5, y + 0.5, static_cast<double>(shown.match.depth.at(x, y)));
+          if (at.z < 2.999 || at.x < kLeft || at.x > kRight || at.y < kTop || at.y > kBottom) continue;
+          bare.back().at(x, y) = 1;
+          shown.match.luma.at(x, y) = 0.9f;
+          depth.depth.at(x, y) *= 0.85f;
+          depth.certainty.at(x, y) = 0;
+        }
+      }
+      truth.push_back(std::move(shown.match.depth));
+      shown.match.depth = {};
+      views.push_back(std::move(shown.match));
+      depths.push_back(std::move(depth));
+    }
+  }
+
+  BarePlaneReport lay(int threads = 2) {
+    ThreadPool pool(threads);
+    return lay_on_bare_planes(views, {}, {}, pool, depths);
+  }
+
+  /// Share of the bare pixels of photo i whose depth is right within 1 %.
+  double right(size_t i) const {
+    int all = 0, good = 0;
+    for (size_t p = 0; p < truth[i].data.size(); ++p) {
+      if (!bare[i].data[p]) continue;
+      ++all;
+      good += std::abs(depths[i].depth.data[p] / truth[i].data[p] - 1) < 0.01f;
+    }
+    return all == 0 ? 1 : static_cast<double>(good) / all;
+  }
+};
+
+TEST(BarePlanes, ABarePartOfAWallLiesOnThePlaneOfTheRest) {
+  BareCorner corner(5);
+  ASSERT_EQ(corner.right(2), 0);
+  EXPECT_GE(corner.lay().planes.size(), 3u);
+  for (size_t i = 0; i < corner.views.size(); ++i) EXPECT_GT(corner.right(i), 0.95) << i;
+}
+
+TEST(BarePlanes, AMeasuredThingBeforeTheWallStays) {
+  BareCorner corner(5);
+  ImageF& depth = corner.depths[2].depth;
+  for (int y = 70; y < 85; ++y) {
+    for (int x = 60; x < 80; ++x) {
+      depth.at(x, y) = 0.7f * corner.truth[2].at(x, y);
+      corner.depths[2].certainty.at(x, y) = 0.5f;
+      corner.views[2].luma.at(x, y) = 0.1f;
+    }
+  }
+  corner.lay();
+  EXPECT_NEAR(depth.at(70, 77) / corner.truth[2].at(70, 77), 0.7f, 0.01f);
+}
+
+TEST(BarePlanes, WithoutMeasurementsNothingChanges) {
+  BareCorner corner(3);
+  for (PhotoDepth& depth : corner.depths) depth.certainty = ImageF(kWidth, kHeight, 1);
+  corner.depths[1] = {};
+  const ImageF before = corner.depths[0].depth;
+  EXPECT_TRUE(corner.lay().planes.empty());
+  EXPECT_EQ(corner.depths[0].depth.data, before.data);
+}
+
+TEST(BarePlanes, DoNotDependOnTheNumberOfThreads) {
+  BareCorner one(3), three(3);
+  one.lay(1);
+  three.lay(3);
+  for (size_t i = 0; i < one.depths.size(); ++i) EXPECT_EQ(one.depths[i].depth.data, three.depths[i].depth.data);
+}
+
+}  // namespace
+}  // namespace aligngs
