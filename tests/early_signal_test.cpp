@@ -32,7 +32,8 @@ class EarlySignal : public testing::Test {
   /// Every moment has the same rule, so that a slow machine changes nothing.
   void expect_rule(const Words& command, int signal) {
     constexpr int kMoments = 26;
-    constexpr double kFirst = 300, kGrowth = 1.3;  // microseconds, up to a fifth of a second: loading takes 10 to 100 ms
+    constexpr double kFirst = 300,
+                     kGrowth = 1.3;  // microseconds, up to a fifth of a second: loading takes 10 to 100 ms
     for (int moment = 0; moment < kMoments; ++moment) {
       StartedProcess process(command, root_ / "scratch");
       std::this_thread::sleep_for(std::chrono::microseconds(int(kFirst * std::pow(kGrowth, moment))));
@@ -40,8 +41,8 @@ class EarlySignal : public testing::Test {
       const int status = process.wait(kPatienceWithAStop);
       // Before the program listens the system ends it, which shells report as 128 and the signal's number.
       ASSERT_THAT(status, AnyOf(128 + signal, kStatusOfAStop)) << moment << process.err();
-      EXPECT_THAT(process.err(),
-                  status == kStatusOfAStop ? HasSubstr("was heard") : testing::Matcher<std::string>(Not(HasSubstr("error"))));
+      EXPECT_THAT(process.err(), status == kStatusOfAStop ? HasSubstr("was heard")
+                                                          : testing::Matcher<std::string>(Not(HasSubstr("error"))));
       expect_no_output();
     }
   }

@@ -12,7 +12,8 @@ namespace {
 enum class Way { kCopy, kHardLink };
 
 void copy_entry(const fs::path& from, const fs::path& to, CopiedLinks links, Way way, std::error_code& error) {
-  const fs::file_status status = links == CopiedLinks::kKept ? fs::symlink_status(from, error) : fs::status(from, error);
+  const fs::file_status status =
+      links == CopiedLinks::kKept ? fs::symlink_status(from, error) : fs::status(from, error);
   if (error) return;
   if (fs::is_symlink(status)) return fs::copy_symlink(from, to, error);
   if (fs::is_directory(status)) {
@@ -53,7 +54,8 @@ fs::path first_protected_folder(const fs::path& folder) {
   if (is_protected(folder)) return folder;
   for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code unknown;
-    if (!entry->is_symlink(unknown) && entry->is_directory(unknown) && is_protected(entry->path())) return entry->path();
+    if (!entry->is_symlink(unknown) && entry->is_directory(unknown) && is_protected(entry->path()))
+      return entry->path();
   }
   return {};
 }

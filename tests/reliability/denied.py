@@ -93,7 +93,8 @@ def trial(folder, command, arguments):
         return said, "left a temporary file"
     if status and status not in ERRORS:
         return said, "another status"
-    if status and not any(str(folder) in word or "/" in word or word.strip(":,") in os.listdir(folder) for word in message.split()):
+    places = {*os.listdir(folder), *command.outputs}
+    if status and not any("/" in word or word.strip(":,") in places for word in message.split()):
         return said, "names no place"
     return said, ""
 
