@@ -45,7 +45,8 @@ std::string misfit_of_intrinsics(double cx, double cy, int width, int height) {
   if (factor(x, y) < kAlike && factor(x, 1) > kDifferent)
     return fmt::format("{} is the middle of photos of about {}, and this is {}", point, meant, photo);
   const double turned_x = 2 * cx / height, turned_y = 2 * cy / width;
-  if (factor(x, y) > kDifferent && factor(turned_x, turned_y) < kAlike)
+  const bool turning_shows = factor(width, height) > kDifferent;  // not in nearly square photos
+  if (turning_shows && factor(x, y) > kDifferent && factor(turned_x, turned_y) < kAlike)
     return fmt::format("{} is that of photos of about {} before they were turned by a quarter, and this is {}", point,
                        meant, photo);
   return {};

@@ -37,6 +37,7 @@ TEST(IntrinsicsMisfit, LensesAreAFewHundredthsOffTheMiddle) {
   EXPECT_EQ(misfit_of_intrinsics(320, 240, 640, 480), "");
   EXPECT_EQ(misfit_of_intrinsics(0.45 * 640, 0.55 * 480, 640, 480), "");
   EXPECT_EQ(misfit_of_intrinsics(240, 320, 480, 640), "");
+  EXPECT_EQ(misfit_of_intrinsics(0.55 * 90, 0.45 * 100, 90, 100), "");
 }
 
 TEST(IntrinsicsMisfit, APhotoThatWasCroppedOnOneSideFits) {
