@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cli/device_option.h"
@@ -13,6 +14,7 @@
 #include "core/error.h"
 #include "core/shell_word.h"
 #include "priors/given_poses.h"
+#include "scene/import/capture.h"
 
 namespace aligngs {
 namespace {
@@ -28,6 +30,14 @@ namespace {
   details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap",
                                 quote_word(photos), quote_word(scene));
   throw Error(details);
+}
+
+/// COLMAP was asked for by name, and given cameras lie where --cameras says: both take any folder of photos.
+void require_photos_alone(const std::string& photos, const std::string& scene, const PhotoCommandOptions& options) {
+  if (options.method == "colmap" || !options.cameras.empty() || !std::filesystem::is_directory(photos)) return;
+  refuse_posed_capture(photos,
+                       fmt::format("use them: aligngs import {} -o {}\n  or give the folder of its photos alone",
+                                   quote_word(photos), quote_word(scene)));
 }
 
 void print_report(const CommandContext& context, const std::string& scene, const ScenePhotosReport& report) {
@@ -93,6 +103,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   command->callback([&context, options, photos, scene] {
     try {
       chosen_device(options->device, false);  // a device that is not there is said before weights that are not
+      require_photos_alone(*photos, *scene, *options);
       choose_method(*options, model_store(context));
       ScenePhotosOptions poses = photo_options(*options, context);
       if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/folder_copy.h"
 #include "io/output_place.h"
 
 namespace aligngs {
@@ -32,6 +33,9 @@ bool exchange(const fs::path& a, const fs::path& b, bool replaced) {
 }  // namespace
 
 FolderReplacement::FolderReplacement(const fs::path& target) : target_(real_place(target)) {
+  if (const fs::path place = first_protected_folder(target_); !place.empty())
+    throw_resources(place, "this folder is protected against writing, so nothing in it can be replaced",
+                    "let it be written (chmod -R u+w), or choose another folder");
   remove_abandoned(target_);
   temporary_ = beside(target_, "");
   note_temporary_path(temporary_);

@@ -251,6 +251,15 @@ TEST_F(RunPlanTest, WhatNoRunCanUseIsAnError) {
   EXPECT_EQ(error().kind(), ErrorKind::kUsage);
 }
 
+/// Its photos alone would lose the cameras, and its depth would count as photos.
+TEST_F(RunPlanTest, ACaptureWithPosesNamesTheImport) {
+  write_file_atomically(photos() / "groundtruth.txt", "");
+  write_file_atomically(request_.source / "rgb.txt", "");
+  install("da3-small");
+  EXPECT_THAT(error().what(), HasSubstr("this is a capture (TUM RGB-D), which has cameras of its own"));
+  EXPECT_THAT(error().what(), HasSubstr("aligngs import"));
+}
+
 TEST_F(RunPlanTest, OptionsOfAnotherMethodAreRefused) {
   photos();
   request_.cameras.method = "vggt";

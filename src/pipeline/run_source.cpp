@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/shell_word.h"
 #include "io/colmap.h"
 #include "io/output_place.h"
 #include "priors/photo_folder.h"
 #include "priors/teacher_list.h"
 #include "priors/video_frames.h"
 #include "scene/import/capture.h"
+#include "scene/import/unknown_layout.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
@@ -21,7 +23,8 @@ bool needs_cameras(const RunRequest& request) {
   const bool video = fs::is_regular_file(source) && is_video_name(source);
   if (!video && fs::is_regular_file(source)) {
     throw_bad_input(source, "", "this is neither a folder nor a video",
-                    "give a folder of photos, a video, or a scene folder");
+                    std::string(is_archive(source) ? "unpack this archive, and " : "") +
+                        "give a folder of photos, a video, or a scene folder");
   }
   if (!video && !fs::is_directory(source))
     throw_bad_input(source, "", "there is no such folder", "give a folder of photos, a video, or a scene folder");
@@ -32,11 +35,11 @@ bool needs_cameras(const RunRequest& request) {
     throw_bad_input(source, "transforms.json", "this is a nerfstudio data set, whose cameras are in transforms.json",
                     fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: "
                                 "aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
-                                from, run));
+                                quote_word(from), quote_word(run)));
   }
-  if (network && (may_hold_polycam(source) || may_hold_scanner_app(source))) {
-    throw_bad_input(source, "", "this is a telephone's capture, which has cameras and depth of its own",
-                    fmt::format("use them: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}", from, run));
+  if (request.cameras.method != "colmap" && request.cameras.cameras.empty()) {
+    refuse_posed_capture(source, fmt::format("use them: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
+                                             quote_word(from), quote_word(run)));
   }
   if (!has_photos(source)) {
     throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG, PNG, WebP or HEIC) are here",

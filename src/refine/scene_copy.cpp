@@ -1,6 +1,8 @@
 #include "refine/scene_copy.h"
 
 #include "core/error.h"
+#include "io/file_system_error.h"
+#include "io/folder_copy.h"
 #include "io/folder_replacement.h"
 #include "scene/colmap_model.h"
 #include "scene/scene_json.h"
@@ -12,8 +14,8 @@ namespace fs = std::filesystem;
 
 void copy_scene(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  fs::copy(from, to, fs::copy_options::recursive, error);
-  if (error) throw_resources(to, "the scene cannot be copied: " + error.message(), "free some disk space");
+  copy_folder(from, to, CopiedLinks::kFollowed, error);
+  if (error) throw_resources(to, "the scene cannot be copied: " + error.message(), remedy_for_write(error.value()));
 }
 
 void write_used_split(const Scene& scene, const fs::path& folder) {

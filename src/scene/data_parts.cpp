@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/letter_case.h"
 #include "io/output_place.h"
+#include "io/picture_format.h"
 #include "scene/import/capture.h"
 
 namespace aligngs {
@@ -17,7 +18,12 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPathLevels = 4;  // folders above an output: a data set's deepest parts are D/colmap/sparse/0
-constexpr std::array<std::string_view, 14> kParts = {"sparse",
+constexpr std::array<std::string_view, 20> kParts = {"images",
+                                                     "depth",
+                                                     "depths",
+                                                     "depth_filtered",
+                                                     "depth_with_noise",
+                                                     "sparse",
                                                      "colmap",
                                                      "poses",
                                                      "pose",
@@ -27,10 +33,29 @@ constexpr std::array<std::string_view, 14> kParts = {"sparse",
                                                      "results",
                                                      "keyframes",
                                                      "masks",
+                                                     "truth",
                                                      "pred_depths",
                                                      "pred_confidence",
                                                      "segmentation_logits",
                                                      "segments"};
+
+/// Whether `name` is `beginning` and a number, as images_4 and seq-01 are.
+bool is_numbered(std::string_view name, std::string_view beginning) {
+  if (!name.starts_with(beginning) || name.size() == beginning.size()) return false;
+  name.remove_prefix(beginning.size());
+  return std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// Pictures that no run drew into its own folder.
+bool holds_pictures(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder / "run.json", error)) return false;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string ending = lower_case(entry->path().extension().string());
+    if (has_picture_extension(entry->path()) || ending == ".exr" || ending == ".npy" || ending == ".npz") return true;
+  }
+  return false;
+}
 
 /// Folders that are still to come, or that cannot be read, are no data set.
 bool is_data_set(const fs::path& folder) {
@@ -41,19 +66,20 @@ bool is_data_set(const fs::path& folder) {
 
 }  // namespace
 
-bool is_data_part(const std::string& name) {
-  const std::string folder = lower_case(name);
-  if (folder.starts_with("images") || folder.starts_with("depth") || folder.starts_with("seq-")) return true;
-  return folder == "truth" || std::find(kParts.begin(), kParts.end(), folder) != kParts.end();
+bool is_data_part(const fs::path& folder) {
+  const std::string name = lower_case(folder.filename().string());
+  if (std::find(kParts.begin(), kParts.end(), name) != kParts.end()) return true;
+  if (is_numbered(name, "images_") || is_numbered(name, "depths_") || is_numbered(name, "seq-")) return true;
+  return (name.starts_with("images") || name.starts_with("depth")) && holds_pictures(folder);
 }
 
 fs::path data_set_with_part(const fs::path& place) {
   const fs::path real = real_place(place);
   fs::path folder = real.parent_path();
   for (int level = 0; level < kPathLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {
-    const std::string part = real.lexically_relative(folder).begin()->string();
+    const fs::path part = *real.lexically_relative(folder).begin();
     if (part == "results" && !fs::exists(folder / "traj.txt")) continue;  // photos of Replica; elsewhere a common name
-    if (is_data_part(part) && is_data_set(folder)) return folder;
+    if (is_data_part(folder / part) && is_data_set(folder)) return folder;
   }
   return {};
 }

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 namespace aligngs {
 
-/// Whether layouts of captures keep their data in a folder of this name (images, sparse, depth, ...).
-bool is_data_part(const std::string& name);
+/// Whether layouts of captures keep their data in a folder of this name (images, images_4, sparse, depth, ...). Other
+/// names that begin with "images" or "depth" count where the folder is there and pictures lie in it. A new
+/// `depth_run` is free.
+bool is_data_part(const std::filesystem::path& folder);
 
 /// The data set that `import` knows around `place`, where the folder `place` is such a part of it or lies in one; else
 /// empty.

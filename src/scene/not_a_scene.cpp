@@ -7,6 +7,7 @@
 #include "io/atomic_file.h"
 #include "io/colmap.h"
 #include "io/json_text.h"
+#include "scene/import/capture.h"
 #include "scene/scene_json.h"
 
 namespace aligngs {
@@ -25,9 +26,12 @@ void refuse_run_folder(const fs::path& folder, const fs::path& given) {
 
 void refuse_what_is_no_scene(const fs::path& folder, const fs::path& given) {
   refuse_run_folder(folder, given);
-  if (!fs::exists(folder / "transforms.json") || may_hold_colmap_model(folder)) return;
+  if (may_hold_colmap_model(folder)) return;
+  refuse_posed_capture(folder,
+                       "turn it into a scene first: aligngs import " + quote_word(given.string()) + " -o SCENE");
+  if (!fs::exists(folder / "transforms.json")) return;
   throw_bad_input(folder, "transforms.json", "this is a nerfstudio data set, not a scene yet",
-                  "turn it into one first: aligngs import " + given.string() + " -o SCENE");
+                  "turn it into one first: aligngs import " + quote_word(given.string()) + " -o SCENE");
 }
 
 }  // namespace aligngs

@@ -42,6 +42,13 @@ TEST_F(NotAScene, ATransformsFileNamesTheImport) {
   EXPECT_THAT(refusal(), HasSubstr("aligngs import runs/one -o SCENE"));
 }
 
+TEST_F(NotAScene, ACaptureNamesItsLayoutAndTheImport) {
+  write_file_atomically(folder_ / "rgb.txt", "");
+  write_file_atomically(folder_ / "groundtruth.txt", "");
+  EXPECT_THAT(refusal(), HasSubstr("this is a capture (TUM RGB-D)"));
+  EXPECT_THAT(refusal(), HasSubstr("aligngs import runs/one -o SCENE"));
+}
+
 TEST_F(NotAScene, OtherFoldersPass) {
   EXPECT_EQ(refusal(), "");
   for (const char* others : {"[", "[]", R"({"scene": 3})", R"({"scene": "x"})"}) {

@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "io/abandoned_paths.h"
 #include "io/atomic_file.h"
+#include "io/folder_copy.h"
 #include "io/folder_replacement.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
@@ -40,13 +41,12 @@ bool is_entry_of_scene(const std::string& name) {
 
 /// `from` is to exist at `to` as well: linked where the file system can do that.
 void keep(const fs::path& from, const fs::path& to) {
-  constexpr fs::copy_options kHow = fs::copy_options::recursive | fs::copy_options::copy_symlinks;
   std::error_code error;
   fs::remove_all(to, error);  // a copy of a source brought its own
-  if (!error) fs::copy(from, to, kHow | fs::copy_options::create_hard_links, error);
+  if (!error) link_folder(from, to, error);
   if (!error) return;
   fs::remove_all(to, error);
-  if (!error) fs::copy(from, to, kHow, error);
+  if (!error) copy_folder(from, to, CopiedLinks::kKept, error);
   if (error)
     throw_resources(from, "this cannot be kept beside the new scene: " + error.message(),
                     "move it elsewhere, then run the same command again");

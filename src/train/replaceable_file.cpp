@@ -1,5 +1,7 @@
 #include "train/replaceable_file.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
@@ -36,6 +38,9 @@ bool is_one_of(std::string ending, std::initializer_list<std::string_view> endin
 void require_replaceable(const fs::path& file) {
   std::error_code error;
   const bool there = fs::is_regular_file(file, error);
+  if (there && ::access(file.c_str(), W_OK) != 0)
+    throw_resources(file, "this file is protected against writing: it is not replaced",
+                    "let it be written (chmod u+w), or name another file");
   const std::string ending = file.extension().string();
   if (there && is_one_of(ending, {".png", ".jpg", ".jpeg", ".webp", ".mp4", ".mov"}) && !has_drawn_mark(file))
     refuse(file, "this picture or video was not drawn by aligngs: it is never replaced");
@@ -49,7 +54,7 @@ void require_replaceable(const fs::path& file) {
     }
     if (is_own_scene(folder)) refuse(file, "this place belongs to the scene " + folder.string() + kNothingElse);
     const fs::path first = *place.lexically_relative(folder).begin();
-    const bool owned = level > 0 ? there || is_data_part(first.string())
+    const bool owned = level > 0 ? there || is_data_part(folder / first)
                                  : there && is_one_of(ending, {".ply", ".obj", ".json", ".txt", ".csv"});
     if (owned && recognise_layout(folder) != nullptr)
       refuse(file, "this place belongs to the data set " + folder.string() + kNothingElse);

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "io/abandoned_paths.h"
+#include "io/folder_copy.h"
 #include "io/output_place.h"
 #include "scene/data_parts.h"
 #include "train/replaceable_file.h"
@@ -81,6 +82,15 @@ void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) 
                "name another file"});
 }
 
+/// A run whose removal would end half-way stays whole.
+void RunFolder::require_removable() const {
+  for (const std::string_view product : kProducts) {
+    if (const fs::path place = first_protected_folder(folder_ / product); !place.empty())
+      throw_resources(place, "this folder of the old run is protected against writing",
+                      "let it be written (chmod -R u+w), or name another folder");
+  }
+}
+
 void RunFolder::prepare(RunMode mode) const {
   check(mode);
   std::error_code error;
@@ -88,6 +98,7 @@ void RunFolder::prepare(RunMode mode) const {
   if (error)
     throw_resources(folder_, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
   if (mode == RunMode::kOverwrite) {
+    require_removable();
     // run.json last: a folder that is cleared half-way is still recognised as a run's.
     for (auto product = kProducts.rbegin(); product != kProducts.rend(); ++product) {
       fs::remove_all(folder_ / *product, error);

@@ -45,6 +45,8 @@ class RunFolder {
   void prepare(RunMode mode) const;
 
  private:
+  void require_removable() const;
+
   std::filesystem::path folder_;
 };
 

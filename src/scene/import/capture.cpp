@@ -29,13 +29,21 @@ bool is_neural_rgbd(const fs::path& folder) {
 bool is_replica(const fs::path& folder) { return holds(folder, {"traj.txt", "results"}); }
 bool is_tum(const fs::path& folder) { return holds(folder, {"groundtruth.txt", "rgb.txt"}); }
 
-/// Frames of one sequence, or sequences.
+bool holds_poses(const fs::path& sequence) {
+  const std::vector<fs::path> files = list_files(sequence, {".txt"});
+  return std::any_of(files.begin(), files.end(), [](const fs::path& file) {
+    return file.filename().string().find(".pose.txt") != std::string::npos;
+  });
+}
+
+/// Frames of one sequence, or sequences; seq-01/seq-01/ is one that was unpacked into a folder of its name.
 bool is_seven_scenes(const fs::path& folder) {
-  for (const fs::path& file : list_files(folder, {".txt"})) {
-    if (file.filename().string().find(".pose.txt") != std::string::npos) return true;
-  }
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return true;
+  if (holds_poses(folder)) return true;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path name = entry->path().filename();
+    if (name.string().rfind("seq-", 0) != 0) continue;
+    if (holds_poses(entry->path()) || holds_poses(entry->path() / name)) return true;
   }
   return false;
 }
@@ -100,6 +108,20 @@ const CaptureLayout* recognise_layout(const fs::path& folder) {
   return nullptr;
 }
 
+const CaptureLayout* recognise_posed_capture(const fs::path& folder) {
+  const CaptureLayout* layout = recognise_layout(folder);
+  const bool read_elsewhere =
+      layout && (layout->found == may_hold_transforms || layout->found == may_hold_colmap_model);
+  return read_elsewhere ? nullptr : layout;
+}
+
+void refuse_posed_capture(const fs::path& folder, const std::string& remedy) {
+  const CaptureLayout* layout = recognise_posed_capture(folder);
+  if (!layout) return;
+  throw_bad_input(folder, "", std::string("this is a capture (") + layout->title + "), which has cameras of its own",
+                  remedy);
+}
+
 std::string known_layouts() {
   std::string known;
   for (const CaptureLayout& layout : capture_layouts()) {
@@ -134,6 +156,11 @@ ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
       throw_bad_input(frame.confidence, "size", "the confidence has another size than its depth",
                       "export the capture again, or remove the file");
     }
+    const bool any =
+        std::any_of(confidence.data.begin(), confidence.data.end(), [](uint16_t value) { return value != 0; });
+    if (!any)
+      throw_bad_input(frame.confidence, "values", "no pixel has a confidence above 0, so its depth counts as none",
+                      "remove this file to use all depth, or leave the frame out");
     for (size_t i = 0; i < depth.data.size(); ++i) {
       if (confidence.data[i] == 0) depth.data[i] = 0;
     }

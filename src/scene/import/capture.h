@@ -82,6 +82,11 @@ const std::vector<CaptureLayout>& capture_layouts();
 
 /// The layout that the names of a folder's files tell; nullptr: none.
 const CaptureLayout* recognise_layout(const std::filesystem::path& folder);
+/// The same without COLMAP and nerfstudio, whose cameras other commands read as well.
+const CaptureLayout* recognise_posed_capture(const std::filesystem::path& folder);
+/// Error{kBadInput} with this remedy for such a folder: as photos alone it would lose its cameras, and depth would count
+/// as photos.
+void refuse_posed_capture(const std::filesystem::path& folder, const std::string& remedy);
 /// All layouts with their files, for messages.
 std::string known_layouts();
 

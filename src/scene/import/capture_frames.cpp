@@ -11,6 +11,7 @@
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/intrinsics.h"
 #include "scene/lens_model.h"
 #include "scene/photo_fit.h"
 #include "scene/view_names.h"
@@ -118,11 +119,10 @@ void set_camera(CapturedFrame& frame, const ColmapCamera& camera) {
 void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy) {
   const ImageInfo info = read_image_info(frame.image);
   const int w = info.stored_width, h = info.stored_height;
-  if (!(cx > 0 && cy > 0 && cx < w && cy < h)) {
-    throw_bad_input(frame.image, "intrinsics",
-                    "the principal point (" + std::to_string(cx) + ", " + std::to_string(cy) +
-                        ") lies outside of a photo of " + std::to_string(w) + " x " + std::to_string(h),
-                    "the intrinsics are for photos of another size: scale them, or use the photos they belong to");
+  if (const std::string problem = misfit_of_intrinsics(cx, cy, w, h); !problem.empty()) {
+    throw_bad_input(frame.image, "intrinsics", problem,
+                    "the intrinsics are for other photos: scale them, or use the photos they belong to; cameras with "
+                    "their size (transforms.json, COLMAP) may be of any kind");
   }
   frame.upright = false;
   frame.camera = pinhole_camera(fx, fy, cx, cy, w, h);
@@ -140,10 +140,11 @@ std::vector<fs::path> list_frame_photos(Capture& capture, const fs::path& folder
   return list_files(folder, extensions);
 }
 
-void note_poses_without_photo(Capture& capture, const fs::path& poses, const std::vector<fs::path>& photos) {
+void note_poses_without_photo(Capture& capture, const fs::path& poses, const std::vector<fs::path>& photos,
+                              const char* ending) {
   std::set<std::string> names;
   for (const fs::path& photo : photos) names.insert(photo.stem().string());
-  for (const fs::path& pose : list_files(poses, {".txt"})) {
+  for (const fs::path& pose : list_files(poses, {ending})) {
     if (!names.count(pose.stem().string()))
       capture.left_out.push_back(
           {as_utf8(pose.stem().string()), "the photo is missing", "add the photo or remove its pose"});
@@ -157,6 +158,7 @@ void set_depth(CapturedFrame& frame, const fs::path& file) {
 
 std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>& photos, size_t poses,
                                    const fs::path& file) {
+  if (poses == 0) throw_bad_input(file, "poses", "this file holds no pose", "give the poses of the photos");
   std::vector<int> indices;
   for (size_t i = 0; i < photos.size(); ++i) {
     int index = static_cast<int>(i);

@@ -23,17 +23,17 @@ void add_frame(Capture& capture, const std::string& name, Read read) {
 /// go first. Error{kBadInput} when the photo is missing, cannot be read or has another aspect.
 void set_camera(CapturedFrame& frame, const ColmapCamera& camera);
 
-/// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when the
-/// principal point lies outside of the photo: then they are for photos of another size.
+/// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when they are
+/// for photos of another size or that were turned (intrinsics.h).
 void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy);
 
 /// The photos of a folder in natural order; hidden ones are left out with a line.
 std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std::filesystem::path& folder,
                                                      const std::vector<std::string>& extensions = picture_extensions());
 
-/// Lists the poses of a folder (NAME.txt) whose photo is missing.
+/// Lists the poses of a folder (NAME.txt, or another ending) whose photo is missing.
 void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses,
-                              const std::vector<std::filesystem::path>& photos);
+                              const std::vector<std::filesystem::path>& photos, const char* ending = ".txt");
 
 /// "3 points without a usable position ..."
 std::string note_of_unusable_points(size_t count);

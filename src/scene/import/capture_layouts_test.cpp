@@ -46,5 +46,16 @@ TEST(CaptureLayouts, AnUnknownNameIsAUsageError) {
   }
 }
 
+TEST(CaptureLayouts, FoldersOfPhotosThatAreCalledLikeSequencesAreNoCapture) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "photos_in_sequences";
+  write_file_atomically(folder / "seq-01" / "a.jpg", "x");
+  EXPECT_EQ(recognise_layout(folder), nullptr);
+  EXPECT_NO_THROW(refuse_posed_capture(folder, ""));
+  write_file_atomically(folder / "seq-01" / "frame-000000.pose.txt", "x");
+  ASSERT_NE(recognise_layout(folder), nullptr);
+  EXPECT_STREQ(recognise_layout(folder)->name, "7scenes");
+  EXPECT_THROW(refuse_posed_capture(folder, ""), Error);
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -1,6 +1,8 @@
 // TUM RGB-D folders as other programs and systems leave them.
 #include <gmock/gmock.h>
 
+#include <tuple>
+
 #include "core/error.h"
 #include "scene/import/capture_folder_for_tests.h"
 
@@ -79,6 +81,36 @@ TEST_F(TumTest, ZeroBytesAreNamed) {
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("rgb.txt: this text holds zero bytes"));
+  }
+}
+
+TEST_F(TumTest, CommasBetweenTheNumbersOfAPoseAreBlanks) {
+  image("rgb/a.png");
+  image("rgb/b.png");
+  EXPECT_THAT(places(read("1.0 rgb/a.png\n2.0 rgb/b.png\n", "1.0,0,0,0,0,0,0,1\n2.0, 1, 0, 0, 0, 0, 0, 1\n")),
+              ElementsAre(0, 1));
+}
+
+TEST_F(TumTest, TimesOfAnotherClockOrUnitAreNamed) {
+  image("rgb/a.png");
+  try {
+    read("1.5 rgb/a.png\n", "1000000000 0 0 0 0 0 0 1\n2000000000 1 0 0 0 0 0 1\n");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the poses are of 1000000000 to 2000000000, the photos of 1.5 to 1.5"));
+  }
+}
+
+TEST_F(TumTest, EmptyListsAreNamed) {
+  image("rgb/a.png");
+  for (const auto& [colors, poses, message] :
+       {std::tuple{"1.0 rgb/a.png\n", "# nothing\n", "groundtruth.txt"}, {"\n", kPoses, "rgb.txt"}}) {
+    try {
+      read(colors, poses);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(message));
+    }
   }
 }
 

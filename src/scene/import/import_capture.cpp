@@ -11,8 +11,8 @@
 #include "io/output_place.h"
 #include "io/resample.h"
 #include "io/text_encoding.h"
-#include "scene/depth_cloud.h"
 #include "scene/import/capture_frames.h"
+#include "scene/import/sensor_cloud.h"
 #include "scene/import/view_selection.h"
 #include "scene/mesh_ply.h"
 #include "scene/photo_fit.h"
@@ -218,32 +218,6 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
   return out;
 }
 
-/// Keeps what the fused cloud needs of each training view.
-struct CloudInputs {
-  std::vector<Camera> cameras;
-  std::vector<ImageF> depths, colors;
-
-  void add(const PreparedFrame& frame) {
-    ImageF color = to_float(frame.pixels);
-    if (color.channels == 4) {  // alpha plays no part here
-      ImageF rgb(color.width, color.height, 3);
-      for (size_t i = 0; i < rgb.pixels(); ++i) std::copy_n(&color.data[4 * i], 3, &rgb.data[3 * i]);
-      color = std::move(rgb);
-    }
-    cameras.push_back(frame.parts.camera.resized(frame.depth.width, frame.depth.height));
-    depths.push_back(frame.depth);
-    colors.push_back(resize_area(color, frame.depth.width, frame.depth.height));
-  }
-
-  PointCloud fuse(double voxel, ThreadPool& pool) const {
-    std::vector<DepthCloudView> views;
-    for (size_t i = 0; i < cameras.size(); ++i) views.push_back({cameras[i], &depths[i], &colors[i], nullptr});
-    DepthCloudOptions options;
-    options.voxel = voxel;
-    return fuse_depth_cloud(views, options, pool).cloud;
-  }
-};
-
 /// Everything that is read: what was given, and the folders of the files that it refers to elsewhere.
 std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& options) {
   std::set<fs::path> folders;
@@ -328,7 +302,7 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
   report.left_out = capture.left_out;
   const bool use_sfm = !options.sfm.empty();
 
-  CloudInputs inputs;
+  SensorCloud sensor;
   SceneParts parts;
   parts.split.train.emplace();
   parts.split.test.emplace();
@@ -340,7 +314,7 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
       use_or_leave_out(captured.name, report.left_out, [&] {
         PreparedFrame frame = prepare(capture, captured, options);
         const bool depth_prior = train && !use_sfm && !frame.depth.empty() && options.depth_prior;
-        if (train && !use_sfm && !frame.depth.empty()) inputs.add(frame);
+        if (train && !use_sfm && !frame.depth.empty()) sensor.add(frame.parts.camera, frame.depth, frame.pixels);
         if (depth_prior) frame.parts.prior_depth = frame.depth;
         report.depth_prior = report.depth_prior || depth_prior;
         if (capture.metric) frame.parts.truth_depth = std::move(frame.depth);
@@ -363,9 +337,11 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
     report.sfm_rmse = sfm.rmse;
     report.sfm_cameras = sfm.cameras;
     parts.cloud = std::move(sfm.cloud);
-  } else if (!inputs.cameras.empty()) {
+  } else if (!sensor.empty()) {
     report.cloud_source = "sensor depth";
-    parts.cloud = inputs.fuse(options.voxel, pool);
+    if (const std::string warning = sensor.other_unit(capture.metric); !warning.empty())
+      report.warnings.push_back(warning);
+    parts.cloud = sensor.fuse(options.voxel, pool);
   } else if (capture.cloud.size() > 0) {
     report.cloud_source = "capture";
     parts.cloud = narrow(capture.cloud);

@@ -150,7 +150,9 @@ Capture read_polycam(const fs::path& folder, const CaptureOptions&) {
         "there are no corrected cameras: these are as the telephone tracked them, a few pixels off");
   if (images.filename() == "images")
     capture.notes.push_back("there are no corrected photos: the lens's distortion stays in them");
-  for (const fs::path& image : list_frame_photos(capture, images)) {
+  const std::vector<fs::path> photos = list_frame_photos(capture, images);
+  note_poses_without_photo(capture, cameras, photos, ".json");
+  for (const fs::path& image : photos) {
     const std::string name = image.stem().string();
     add_frame(capture, name, [&] { return polycam_frame(image, cameras / (name + ".json"), keyframes); });
   }

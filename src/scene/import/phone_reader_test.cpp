@@ -118,5 +118,32 @@ TEST_F(PhoneReader, ALostPoseIsNamed) {
   EXPECT_THAT(capture.left_out[0].reason, HasSubstr("lost tracking"));
 }
 
+TEST_F(PhoneReader, PolycamCamerasWithoutTheirPhotoAreListed) {
+  polycam_frame("100");
+  polycam_frame("200");
+  fs::remove(folder / "keyframes/images/200.jpg");
+  const Capture capture = read_capture(folder);
+  EXPECT_EQ(capture.frames.size(), 1u);
+  ASSERT_EQ(capture.left_out.size(), 1u);
+  EXPECT_EQ(capture.left_out[0].name, "200");
+  EXPECT_EQ(capture.left_out[0].reason, "the photo is missing");
+}
+
+TEST_F(PhoneReader, AConfidenceThatTrustsNothingIsNamed) {
+  polycam_frame("100");
+  fs::create_directories(folder / "keyframes/depth");
+  fs::create_directories(folder / "keyframes/confidence");
+  write_png16(folder / "keyframes/depth/100.png", Image<uint16_t>(40, 30, 1, 1500));
+  write_png(folder / "keyframes/confidence/100.png", Image<uint8_t>(40, 30, 1, 0));
+  const Capture capture = read_capture(folder);
+  try {
+    read_capture_depth(capture, capture.frames[0]);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.details().path.parent_path().filename(), "confidence");
+    EXPECT_THAT(error.what(), HasSubstr("no pixel has a confidence above 0"));
+  }
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -74,6 +74,9 @@ Capture read_replica(const fs::path& folder, const CaptureOptions&) {
   for (const fs::path& file : list_frame_photos(capture, folder / "results", {".jpg", ".png"})) {
     if (file.filename().string().rfind("frame", 0) == 0) images.push_back(file);
   }
+  if (images.empty())
+    throw_bad_input(folder / "results", "photos", "there are no photos called frame*.jpg or frame*.png",
+                    "name them as NICE-SLAM does: frame000000.jpg and depth000000.png");
   const std::vector<int> pose_of = poses_of_numbered(capture, images, poses.size() / 16, trajectory);
   ColmapCamera model = pinhole_camera(camera.fx, camera.fy, camera.cx + kHalfPixel, camera.cy + kHalfPixel,
                                       int(camera.w), int(camera.h));

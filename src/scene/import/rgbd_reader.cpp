@@ -3,35 +3,21 @@
 //   intrinsics.txt (3x3)  train.txt, test.txt (frame names; optional)   reference_mesh.ply (optional)
 // and the 7-Scenes form: [seq-*/]frame-NNNNNN.{color.png|jpg,depth.png,pose.txt}.
 #include <algorithm>
+#include <set>
 
 #include "core/error.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/intrinsics.h"
+#include "scene/import/unknown_layout.h"
+#include "scene/photo_lookup.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Intrinsics {
-  double fx, fy, cx, cy;
-  int width = 0, height = 0;  ///< pixels of the photos that they are for; 0: not known
-};
-
-Intrinsics read_intrinsics(const fs::path& file) {
-  const std::vector<double> k = read_numbers(file);
-  if (k.size() != 9 && k.size() != 16) {
-    throw_bad_input(file, "matrix", "expected a 3x3 or 4x4 matrix, found " + std::to_string(k.size()) + " numbers",
-                    "write fx 0 cx / 0 fy cy / 0 0 1");
-  }
-  const size_t row = k.size() == 9 ? 3 : 4;
-  const Intrinsics r{k[0], k[row + 1], k[2], k[row + 2]};
-  if (!(r.fx > 0) || !(r.fy > 0))
-    throw_bad_input(file, "fx, fy", "focal lengths must be positive", "check the order of the matrix");
-  return r;
-}
 
 std::vector<std::string> read_names(const fs::path& file) {
   return fs::exists(file) ? read_name_list(file) : std::vector<std::string>{};
@@ -56,6 +42,40 @@ CapturedFrame posed_frame(const std::string& name, const fs::path& image, const 
   else
     set_intrinsics(frame, k.fx, k.fy, k.cx, k.cy);
   return frame;
+}
+
+/// The folders that hold the frames of 7-Scenes. An archive that was unpacked into a folder of its name has them in
+/// seq-01/seq-01/.
+std::vector<fs::path> sequences_of(Capture& capture, const fs::path& folder) {
+  std::vector<fs::path> sequences;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& place = entry.path();
+    if (place.filename().string().rfind("seq", 0) != 0) continue;
+    const fs::path inner = place / place.filename();
+    if (entry.is_directory()) sequences.push_back(fs::is_directory(inner) ? inner : place);
+    const bool packed = is_archive(place) && !fs::exists(folder / place.stem());
+    if (packed)
+      capture.notes.push_back(as_utf8(place.filename().string()) + " is not unpacked: its frames are not used");
+  }
+  std::sort(sequences.begin(), sequences.end());
+  if (sequences.empty()) sequences.push_back(folder);
+  return sequences;
+}
+
+void note_frames_without_photo(Capture& capture, const fs::path& sequence, const std::string& prefix,
+                               const std::vector<fs::path>& photos) {
+  std::set<std::string> names;
+  for (const fs::path& photo : photos) {
+    const std::string name = photo.filename().string();
+    names.insert(name.substr(0, name.find(".color.")));
+  }
+  for (const fs::path& pose : list_files(sequence, {".txt"})) {
+    const std::string name = pose.filename().string();
+    const size_t end = name.find(".pose.");
+    if (end != std::string::npos && !names.count(name.substr(0, end)))
+      capture.left_out.push_back(
+          {as_utf8(prefix + name.substr(0, end)), PhotoLookup::kMissing, "add the photo or remove its pose"});
+  }
 }
 
 }  // namespace
@@ -91,16 +111,12 @@ Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options)
   }
   const Intrinsics k =
       options.intrinsics.empty() ? Intrinsics{585, 585, 320, 240, 640, 480} : read_intrinsics(options.intrinsics);
-  std::vector<fs::path> sequences;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && entry.path().filename().string().rfind("seq", 0) == 0)
-      sequences.push_back(entry.path());
-  }
-  std::sort(sequences.begin(), sequences.end());
-  if (sequences.empty()) sequences.push_back(folder);
+  const std::vector<fs::path> sequences = sequences_of(capture, folder);
   for (const fs::path& sequence : sequences) {
     const std::string prefix = sequences.size() > 1 ? sequence.filename().string() + "_" : "";
-    for (const fs::path& image : list_frame_photos(capture, sequence, {".png", ".jpg"})) {
+    const std::vector<fs::path> photos = list_frame_photos(capture, sequence, {".png", ".jpg"});
+    note_frames_without_photo(capture, sequence, prefix, photos);
+    for (const fs::path& image : photos) {
       const std::string file = image.filename().string();
       const size_t cut = file.find(".color.");
       if (cut == std::string::npos) continue;

@@ -1,5 +1,6 @@
 // ScanNet's Python export (SensReader): color/N.jpg, depth/N.png (uint16 mm), pose/N.txt (4x4 camera-to-world, -inf
 // where tracking was lost), intrinsic/{intrinsic,extrinsic}_{color,depth}.txt (4x4), *_vh_clean_2.ply beside or above.
+// The benchmark's frames ("scannet_frames_25k") have intrinsics_{color,depth}.txt in the folder itself.
 // Intrinsics count from the centre of the first pixel, so half a pixel is added.
 #include "core/error.h"
 #include "scene/import/capture_frames.h"
@@ -17,6 +18,12 @@ std::vector<double> read_matrix4(const fs::path& file) {
     throw_bad_input(file, "matrix", "expected 4x4 numbers, found " + std::to_string(m.size()),
                     "export the scan again with SensReader");
   return m;
+}
+
+/// Empty where there is none.
+fs::path intrinsics_file(const fs::path& folder, const std::string& sensor) {
+  return first_existing({folder / "intrinsic" / ("intrinsic_" + sensor + ".txt"),
+                         folder / ("intrinsics_" + sensor + ".txt"), folder / ("intrinsic_" + sensor + ".txt")});
 }
 
 fs::path find_mesh(const fs::path& folder) {
@@ -38,7 +45,11 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
   capture.up_measured = true;
   capture.up_source = "ScanNet's convention (+z)";
   const fs::path intrinsic = folder / "intrinsic";
-  const std::vector<double> color = read_matrix4(intrinsic / "intrinsic_color.txt");
+  const fs::path color_file = intrinsics_file(folder, "color"), depth_file = intrinsics_file(folder, "depth");
+  if (color_file.empty())
+    throw_bad_input(folder, "intrinsic/intrinsic_color.txt", "the intrinsics of the colour camera are missing",
+                    "export the scan again with SensReader's --export_intrinsics");
+  const std::vector<double> color = read_matrix4(color_file);
   const std::vector<fs::path> photos = list_frame_photos(capture, folder / "color");
   note_poses_without_photo(capture, folder / "pose", photos);
   for (const fs::path& image : photos) {
@@ -48,6 +59,7 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
       frame.name = name;
       frame.image = image;
       const fs::path pose = folder / "pose" / (name + ".txt");
+      if (!fs::exists(pose)) throw_bad_input(pose, "", "it has no pose", "add the pose or remove the image");
       const std::vector<double> m = read_matrix4(pose);
       if (!all_finite(m.data(), 16))
         throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
@@ -57,8 +69,8 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
       return frame;
     });
   }
-  if (fs::exists(intrinsic / "intrinsic_depth.txt")) {
-    const std::vector<double> d = read_matrix4(intrinsic / "intrinsic_depth.txt");
+  if (!depth_file.empty()) {
+    const std::vector<double> d = read_matrix4(depth_file);
     DepthCamera camera{d[0], d[5], d[2] + kHalfPixel, d[6] + kHalfPixel, {}};
     const fs::path color_extrinsic = intrinsic / "extrinsic_color.txt",
                    depth_extrinsic = intrinsic / "extrinsic_depth.txt";

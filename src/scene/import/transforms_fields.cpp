@@ -9,6 +9,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "scene/import/capture.h"
+#include "scene/import/intrinsics.h"
 
 namespace aligngs {
 namespace {
@@ -185,9 +186,10 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
     p2 = (*list)[5].get<double>();
   }
   const double cx = number("cx", w / 2), cy = number("cy", h / 2);
-  if (!find("w") && !find("h") && !(cx > 0 && cy > 0 && cx < w && cy < h)) {
-    throw_bad_input(file_, "cx, cy", "they lie outside of the photo, and w and h are absent",
-                    "add w and h: the size of the photos that the camera was found in");
+  if (!find("w") && !find("h")) {
+    if (const std::string problem = misfit_of_intrinsics(cx, cy, int(w), int(h)); !problem.empty())
+      throw_bad_input(file_, "cx, cy", problem + "; w and h are absent",
+                      "add w and h: the size of the photos that the camera was found in");
   }
   ColmapCamera camera = pinhole_camera(fx, fy, cx, cy, int(w), int(h));
   if (fisheye) {  // theta (1 + k1 theta^2 + ... + k4 theta^8) and the tangential terms

@@ -1,5 +1,7 @@
 // TUM RGB-D: rgb.txt and depth.txt ("timestamp file" lines), groundtruth.txt ("timestamp tx ty tz qx qy qz qw",
 // camera-to-world, OpenCV axes). Depth values are 1/5000 m. Times are matched within 0.02 s.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -10,6 +12,7 @@
 #include "io/text_tokens.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/intrinsics.h"
 #include "scene/photo_lookup.h"
 
 namespace aligngs {
@@ -44,6 +47,12 @@ std::vector<Stamped> read_stamped(const fs::path& file) {
   return lines;
 }
 
+/// Numbers with commas between them, as spreadsheets write them, with blanks.
+std::string with_blanks(std::string numbers) {
+  std::replace(numbers.begin(), numbers.end(), ',', ' ');
+  return numbers;
+}
+
 void sort_by_time(std::vector<Stamped>& lines) {
   std::stable_sort(lines.begin(), lines.end(), [](const Stamped& a, const Stamped& b) { return a.time < b.time; });
 }
@@ -62,17 +71,31 @@ const Stamped* nearest(const std::vector<Stamped>& lines, double time) {
   return best && std::fabs(best->time - time) <= kAssociationSeconds ? best : nullptr;
 }
 
+/// Times in other units or of other clocks leave every photo without a pose.
+void require_common_times(const std::vector<Stamped>& colors, const fs::path& color_file,
+                          const std::vector<Stamped>& poses, const fs::path& truth) {
+  if (colors.empty()) throw_bad_input(color_file, "lines", "this list names no photo", "lines are \"time file\"");
+  if (poses.empty())
+    throw_bad_input(truth, "lines", "this list has no pose", "lines are \"time tx ty tz qx qy qz qw\"");
+  const auto earlier = [](const Stamped& a, const Stamped& b) { return a.time < b.time; };
+  const auto [first, last] = std::minmax_element(colors.begin(), colors.end(), earlier);
+  const double begin = poses.front().time - kAssociationSeconds, end = poses.back().time + kAssociationSeconds;
+  if (first->time <= end && last->time >= begin) return;
+  throw_bad_input(
+      truth, "times",
+      fmt::format("the poses are of {:.10g} to {:.10g}, the photos of {:.10g} to {:.10g}: no time is common",
+                  poses.front().time, poses.back().time, first->time, last->time),
+      "write both in seconds of the same clock");
+}
+
 }  // namespace
 
 Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
   if (options.intrinsics.empty()) {
     throw_bad_input(folder, "intrinsics", "TUM sequences do not carry their intrinsics",
-                    "give --intrinsics FILE (3x3; freiburg1: 517.3 516.5 318.6 255.3)");
+                    "give --intrinsics FILE with fx fy cx cy or the 3x3 matrix (freiburg1: 517.3 516.5 318.6 255.3)");
   }
-  const std::vector<double> k = read_numbers(options.intrinsics);
-  if (k.size() != 9 && k.size() != 16)
-    throw_bad_input(options.intrinsics, "matrix", "expected a 3x3 or 4x4 matrix", "write fx 0 cx / 0 fy cy / 0 0 1");
-  const size_t row = k.size() == 9 ? 3 : 4;
+  const Intrinsics lens = read_intrinsics(options.intrinsics);
   Capture capture;
   capture.folder = folder;
   capture.metric = true;
@@ -84,6 +107,7 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
       fs::exists(folder / "depth.txt") ? read_stamped(folder / "depth.txt") : std::vector<Stamped>{};
   sort_by_time(poses);
   sort_by_time(depths);
+  require_common_times(colors, folder / "rgb.txt", poses, truth);
   const PhotoLookup files({}, folder);
   for (const Stamped& color : colors) {
     const std::string path = slashed_name(color.rest);
@@ -97,17 +121,18 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
       if (photo.file.empty()) throw_bad_input({}, "", photo.problem, "put the photo where rgb.txt says");
       frame.image = photo.file;
       const Stamped* pose = nearest(poses, color.time);
-      if (!pose) throw_bad_input(truth, "", "no pose within 0.02 s", "nothing, when tracking began later");
+      if (!pose) throw_bad_input(truth, "", "no pose within 0.02 s", "add its pose, unless tracking was lost there");
       if (const Stamped* depth = nearest(depths, color.time))
         set_depth(frame, files.find(slashed_name(depth->rest)).file);
-      std::istringstream words(pose->rest);
+      std::istringstream words(with_blanks(pose->rest));
       Vec3d t;
       Quaterniond q;
       if (!(words >> t.x >> t.y >> t.z >> q.x >> q.y >> q.z >> q.w) || !(norm(q) > 0.5)) {
-        throw_bad_input(truth, "time " + std::to_string(pose->time), "expected tx ty tz qx qy qz qw", "check the file");
+        throw_bad_input(truth, "time " + std::to_string(pose->time), "expected tx ty tz qx qy qz qw",
+                        "write seven finite numbers, or leave this frame out");
       }
       frame.world_to_camera = Rigidd{rotation_matrix(normalized(q)), t}.inverse();
-      set_intrinsics(frame, k[0], k[row + 1], k[2], k[row + 2]);
+      set_intrinsics(frame, lens.fx, lens.fy, lens.cx, lens.cy);
       return frame;
     });
   }

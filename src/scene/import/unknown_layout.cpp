@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/letter_case.h"
+#include "io/text_encoding.h"
 #include "scene/import/capture.h"
 #include "scene/photo_lookup.h"
 #include "scene/photo_places.h"
@@ -22,15 +24,16 @@ struct ForeignExport {
   const char* remedy;
 };
 
+constexpr const char* kRecord3d =
+    "export it from Record3D as \"EXR + RGB\", and make a transforms.json of it with nerfstudio's `ns-process-data "
+    "record3d`";
+
 const std::vector<ForeignExport>& foreign_exports() {
   static const std::vector<ForeignExport> kAll = {
       {{"metadata.json", "rgb"},
        "this is an export of Record3D, which is not read",
        "nerfstudio's `ns-process-data record3d` makes a transforms.json of it"},
-      {{"metadata", "rgbd"},
-       "this is a capture of Record3D (.r3d), which is not read",
-       "export it from Record3D as \"EXR + RGB\", and make a transforms.json of it with nerfstudio's `ns-process-data "
-       "record3d`"},
+      {{"metadata", "rgbd"}, "this is a capture of Record3D (.r3d), which is not read", kRecord3d},
       {{"lowres_wide.traj"},
        "this is a scan of ARKitScenes, which is not read",
        "write the RGB-D layout of docs/formats.md: images/ depth/ poses/ intrinsics.txt"},
@@ -68,6 +71,32 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
   return folders;
 }
 
+bool has_ending(const fs::path& file, std::initializer_list<const char*> endings) {
+  const std::string ending = lower_case(file.extension().string());
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+bool is_model(const fs::path& file) {
+  return has_ending(file, {".ply", ".splat", ".spz", ".sog", ".ksplat", ".obj", ".glb", ".gltf", ".fbx", ".usdz",
+                           ".usd", ".usda", ".stl", ".las", ".laz", ".e57", ".xyz", ".pcd", ".dae"});
+}
+
+/// "a.zip, b.zip": the first names of the files that `counts` accepts; empty: none.
+std::string names_of_files(const fs::path& folder, bool (*counts)(const fs::path&)) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code unreadable;
+    if (!is_hidden(entry->path()) && counts(entry->path()) && entry->is_regular_file(unreadable))
+      names.push_back(as_utf8(entry->path().filename().string()));
+  }
+  std::sort(names.begin(), names.end());
+  constexpr size_t kShown = 3;
+  std::string list;
+  for (size_t i = 0; i < names.size() && i < kShown; ++i) list += (i ? ", " : "") + names[i];
+  return list + (names.size() > kShown ? ", ..." : "");
+}
+
 /// "FOLDER (LAYOUT)" of the nearest folders below that hold something known.
 std::vector<std::string> known_below(const fs::path& folder) {
   std::vector<fs::path> level = folders_in(folder);
@@ -92,16 +121,20 @@ std::vector<std::string> known_below(const fs::path& folder) {
 
 }  // namespace
 
+bool is_archive(const fs::path& file) {
+  return has_ending(file, {".zip", ".tar", ".tgz", ".gz", ".bz2", ".xz", ".7z", ".rar", ".r3d"});
+}
+
 void require_capture_folder(const fs::path& folder) {
   if (is_folder(folder)) return;
   std::error_code error;
   if (!fs::exists(folder, error))
     throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
-  const std::string extension = folder.extension().string();
-  const bool archive =
-      extension == ".zip" || extension == ".tar" || extension == ".gz" || extension == ".7z" || extension == ".r3d";
-  throw_bad_input(folder, "", archive ? "this is an archive, not a folder" : "this is a file, not a folder",
-                  archive ? "unpack it, and give the folder" : "give the folder of the capture");
+  if (has_ending(folder, {".r3d"}))
+    throw_bad_input(folder, "", "this is a capture of Record3D, which is not read", kRecord3d);
+  if (is_archive(folder))
+    throw_bad_input(folder, "", "this is an archive, not a folder", "unpack it, and give the folder");
+  throw_bad_input(folder, "", "this is a file, not a folder", "give the folder of the capture");
 }
 
 void refuse_layout(const fs::path& folder) {
@@ -130,6 +163,13 @@ void refuse_layout(const fs::path& folder) {
       if (all) throw_bad_input(place, "layout", program.what, program.remedy);
     }
   }
+  if (const std::string archives = names_of_files(folder, is_archive); !archives.empty())
+    throw_bad_input(folder, "layout", "this is none of the known layouts, and holds archives: " + archives,
+                    "unpack them, and give the folder with the capture");
+  if (const std::string models = names_of_files(folder, is_model); !models.empty())
+    throw_bad_input(folder, "layout", "this holds a finished model (" + models + "), and no photos with cameras",
+                    "export the photos with their cameras (docs/formats.md has the layouts), or give photos alone to "
+                    "`aligngs poses`");
   throw_bad_input(folder, "layout", "this is none of the known layouts", "known: " + known_layouts());
 }
 

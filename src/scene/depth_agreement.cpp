@@ -1,0 +1,110 @@
+#include "scene/depth_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/median.h"
+
+namespace aligngs {
+namespace {
+
+constexpr size_t kMostViews = 24;
+constexpr int kColumns = 12, kRows = 9;  // samples of a view
+constexpr size_t kFewSamples = 50;       // fewer tell nothing
+constexpr double kContradiction = 0.06;  // relative: noise of sensors and of tracking stays below
+constexpr double kExplained = 0.3;       // of the difference as the depth is
+// Views that share hardly anything as they are, and much at another factor: these samples, and as many times more.
+constexpr size_t kManySamples = 200, kTimesMore = 10;
+constexpr double kSurface = 0.05;  // relative: what two views of one surface differ by at most
+constexpr double kSameUnit = 1.4;  // factor: two units differ by more
+
+struct DepthSample {
+  size_t view;
+  Vec3d ray;  ///< camera frame, z = 1
+  double depth;
+};
+
+/// At most kMostViews, evenly spread.
+std::vector<size_t> chosen_views(size_t count) {
+  std::vector<size_t> views;
+  const size_t kept = std::min(count, kMostViews);
+  for (size_t i = 0; i < kept; ++i) views.push_back(i * count / kept);
+  return views;
+}
+
+std::vector<DepthSample> samples_of(size_t view, const Camera& camera, const ImageF& depth) {
+  std::vector<DepthSample> samples;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const int x = (2 * column + 1) * depth.width / (2 * kColumns), y = (2 * row + 1) * depth.height / (2 * kRows);
+      const double z = depth.at(x, y);
+      if (z > 0) samples.push_back({view, camera.ray(x + 0.5, y + 0.5), z});
+    }
+  }
+  return samples;
+}
+
+/// Relative differences at depth times `factor`, of all samples that another view sees.
+std::vector<double> differences(const std::vector<DepthSample>& samples, const std::vector<size_t>& views,
+                                std::span<const Camera> cameras, std::span<const ImageF> depths, double factor) {
+  std::vector<double> all;
+  for (const size_t other : views) {
+    const Camera& camera = cameras[other];
+    for (const DepthSample& sample : samples) {
+      if (sample.view == other) continue;
+      const Rigidd to_other = camera.world_to_camera * cameras[sample.view].world_to_camera.inverse();
+      const Vec3d p = to_other * (sample.ray * (sample.depth * factor));
+      if (!(p.z > 0)) continue;
+      const Vec2d pixel = camera.project(p);
+      if (!camera.contains(pixel)) continue;
+      const double seen = depths[other].at(static_cast<int>(pixel.x), static_cast<int>(pixel.y)) * factor;
+      if (seen > 0) all.push_back(std::fabs(p.z / seen - 1));
+    }
+  }
+  return all;
+}
+
+/// A quarter of an octave apart up to 16, then powers of ten: feet, 1/4000, 1/5000 and millimetres are among them.
+std::vector<double> factors() {
+  std::vector<double> all;
+  for (int quarter = -16; quarter <= 16; ++quarter) all.push_back(std::exp2(quarter / 4.0));
+  for (const double power : {100.0, 1000.0, 10000.0}) all.insert(all.end(), {power, 1 / power});
+  return all;
+}
+
+}  // namespace
+
+bool DepthAgreement::has_other_unit() const {
+  if (std::fmax(factor, 1 / factor) < kSameUnit || scaled_samples < kFewSamples) return false;
+  if (samples < kFewSamples)
+    return scaled_samples >= kManySamples && scaled_samples >= kTimesMore * samples && scaled_difference < kSurface;
+  return difference > kContradiction && scaled_difference < kExplained * difference;
+}
+
+DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const ImageF> depths) {
+  const std::vector<size_t> views = chosen_views(cameras.size());
+  std::vector<DepthSample> samples;
+  for (const size_t view : views) {
+    const std::vector<DepthSample> of_view = samples_of(view, cameras[view], depths[view]);
+    samples.insert(samples.end(), of_view.begin(), of_view.end());
+  }
+  DepthAgreement agreement;
+  const std::vector<double> as_it_is = differences(samples, views, cameras, depths, 1);
+  agreement.samples = agreement.scaled_samples = as_it_is.size();
+  agreement.difference = as_it_is.size() < kFewSamples ? 1 : median_of(as_it_is);
+  agreement.scaled_difference = agreement.difference;
+  if (agreement.difference <= kContradiction) return agreement;
+  for (const double factor : factors()) {
+    const std::vector<double> scaled = differences(samples, views, cameras, depths, factor);
+    if (scaled.size() < kFewSamples) continue;
+    if (const double difference = median_of(scaled); difference < agreement.scaled_difference) {
+      agreement.scaled_difference = difference;
+      agreement.scaled_samples = scaled.size();
+      agreement.factor = factor;
+    }
+  }
+  return agreement;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,26 @@
+// Whether depth maps of several views and their cameras have one unit, told without any other points.
+#pragma once
+
+#include <span>
+
+#include "core/image.h"
+#include "scene/camera.h"
+
+namespace aligngs {
+
+struct DepthAgreement {
+  /// Median relative difference of a view's depth and another's surface; 1 where hardly any place is seen twice.
+  double difference = 0;
+  size_t samples = 0;            ///< pixels that were compared for it
+  double factor = 1;             ///< depth times this agrees best
+  double scaled_difference = 0;  ///< the difference then
+  size_t scaled_samples = 0;
+  /// Whether another unit explains what the depth as it is contradicts.
+  bool has_other_unit() const;
+};
+
+/// Compares samples of each view with the views that see the same place. `cameras[i]` has the size of `depths[i]`, where
+/// 0 is none. Cameras in one place tell nothing about the unit.
+DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const ImageF> depths);
+
+}  // namespace aligngs

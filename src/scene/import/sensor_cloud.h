@@ -1,0 +1,31 @@
+// The points to start from where a capture has depth of a sensor.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/thread_pool.h"
+#include "scene/camera.h"
+#include "scene/point_cloud.h"
+
+namespace aligngs {
+
+/// Keeps what the cloud needs of each training view.
+class SensorCloud {
+ public:
+  /// `depth` may be smaller than the picture of `camera`; alpha of `pixels` plays no part.
+  void add(const Camera& camera, const ImageF& depth, const Image<uint8_t>& pixels);
+  bool empty() const { return cameras_.empty(); }
+  /// A warning where depth and cameras seem to have different units (scene/depth_agreement.h), or where metres are no
+  /// distances in rooms; else empty.
+  std::string other_unit(bool metric) const;
+  PointCloud fuse(double voxel, ThreadPool& pool) const;
+
+ private:
+  std::vector<Camera> cameras_;  ///< at the size of the depth
+  std::vector<ImageF> depths_, colors_;
+};
+
+}  // namespace aligngs
