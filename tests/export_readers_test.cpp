@@ -11,6 +11,7 @@
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "edit/small_room_for_tests.h"
+#include "gaussians/point_tree.h"
 #include "io/json_text.h"
 #include "support/process.h"
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "gaussians/point_tree.h"
 #include "gaussians/soft_labels.h"
 #include "scene/triangle_mesh.h"
 

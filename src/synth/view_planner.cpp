@@ -54,8 +54,7 @@ void ViewPlanner::sample_surface() {
     const Vec3d n = normalized(cross(b - a, c - a));
     const Vec3d p = (a + b + c) * (1.0 / 3) + n * 0.003;
     int seen = 0;
-    for (const Vec3d& eye : eyes)
-      seen += dot(eye - p, n) > 0.1 * norm(eye - p) && scene.visible(eye, p, 0.005) ? 1 : 0;
+    for (const Vec3d& eye : eyes) seen += dot(eye - p, n) > 0.1 * norm(eye - p) && scene.visible(eye, p, 0.005) ? 1 : 0;
     if (seen < 3) continue;
     points.push_back(p);
     normals.push_back(n);
