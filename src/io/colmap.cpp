@@ -1,6 +1,7 @@
 // Format: https://colmap.github.io/format.html
 #include "io/colmap.h"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -196,6 +197,19 @@ std::vector<fs::path> places_of_models(const fs::path& scene_folder) {
   return {scene_folder / "sparse", scene_folder, scene_folder / "colmap" / "sparse", scene_folder / "colmap"};
 }
 
+/// Folders in a folder that hold a model each, by name; empty where there is none.
+std::string models_one_level_down(const fs::path& folder) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (is_model_folder(entry->path())) found.push_back(entry->path().string());
+  }
+  std::sort(found.begin(), found.end());
+  std::string list;
+  for (const std::string& name : found) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
 }  // namespace
 
 ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
@@ -248,8 +262,10 @@ std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_fold
   for (const fs::path& folder : {scene_folder / "sparse" / "0", scene_folder / "sparse", scene_folder}) {
     if (fs::exists(folder / "points3D.ply")) require_file(folder, "cameras");  // says what that file is
   }
-  throw_bad_input(scene_folder, "sparse", "no COLMAP model found (cameras and images, .bin or .txt)",
-                  "put it into sparse/ or sparse/0/");
+  const std::string deeper = models_one_level_down(scene_folder);
+  throw_bad_input(
+      scene_folder, "sparse", "no COLMAP model found (cameras and images, .bin or .txt)",
+      deeper.empty() ? "put it into sparse/ or sparse/0/" : "name one of the folders that hold one: " + deeper);
 }
 
 std::string choice_of_model(const fs::path& scene_folder) {

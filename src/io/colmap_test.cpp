@@ -265,6 +265,18 @@ TEST(Colmap, APlyAloneIsNamedForWhatItIs) {
   }
 }
 
+TEST(Colmap, ModelsInFoldersOfTheFolderAreNamed) {
+  const fs::path folder = model_folder("several_models");
+  for (const char* name : {"unknown_lens", "known_lens"}) write_colmap_binary(folder / name, small_model());
+  try {
+    find_colmap_folder(folder);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.details().remedy, "name one of the folders that hold one: " + (folder / "known_lens").string() +
+                                          ", " + (folder / "unknown_lens").string());
+  }
+}
+
 TEST(Colmap, NamesWhatIsWrongInText) {
   expect_bad_model(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL", "CUBE");
   expect_bad_model(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS", "missing");

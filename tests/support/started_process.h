@@ -34,6 +34,7 @@ class StartedProcess {
   StartedProcess(const std::vector<std::string>& arguments, const std::filesystem::path& scratch, int ignored = 0) {
     std::filesystem::create_directories(scratch);
     err_file_ = scratch / "stderr.txt";
+    std::filesystem::remove(err_file_);  // of a process before: one that a signal ends at once writes none
     std::vector<std::string> words = {ALIGNGS_PROGRAM};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
