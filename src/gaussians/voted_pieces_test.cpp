@@ -7,9 +7,9 @@
 namespace aligngs {
 namespace {
 
-constexpr uint16_t kChair = 19;
+constexpr uint16_t kChairClass = 19;
 
-PieceView shown(uint32_t photo, uint16_t segment, double pixels) { return {photo, segment, kChair, pixels}; }
+PieceView shown(uint32_t photo, uint16_t segment, double pixels) { return {photo, segment, kChairClass, pixels}; }
 
 /// Two touching pieces of ten members each that photos show like this; whether they join.
 bool two_pieces_join(PieceViews first, PieceViews second) {
