@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gaussians/gaussian_ply.h"
+#include "scene/triangle_mesh.h"
 
 namespace aligngs {
 
