@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/free_memory.h"
 #include "io/image_file.h"
+#include "scene/triangle_mesh.h"
 #include "serve/plain_run.h"
 #include "train/run_control.h"
 
