@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "support/started_process.h"
+#include "support/stop_fixture.h"
 
 namespace aligngs {
 namespace {
@@ -12,22 +13,14 @@ namespace fs = std::filesystem;
 using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
+using testing_support::kPatienceWithAStop;
+using testing_support::kStatusOfAStop;
 using testing_support::StartedProcess;
+using testing_support::StopFixture;
 using Words = std::vector<std::string>;
 
-constexpr int kStatusOfAStop = 75;
-constexpr double kPatienceWithAStop = 60;  // seconds: three on a machine that does nothing else
-
-class EarlySignal : public testing::Test {
+class EarlySignal : public StopFixture {
  protected:
-  void SetUp() override {
-    root_ =
-        fs::path(testing::TempDir()) / "early_signal" / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(root_);
-    fs::create_directories(root_ / "work");
-  }
-  std::string path(const std::string& name) const { return (root_ / name).string(); }
-
   /// The command would take minutes. A signal comes after each of `kMoments` delays, whatever the program does then.
   /// Every moment has the same rule, so that a slow machine changes nothing.
   void expect_rule(const Words& command, int signal) {
@@ -49,7 +42,6 @@ class EarlySignal : public testing::Test {
   void expect_no_output() const {
     EXPECT_TRUE(fs::is_empty(root_ / "work")) << fs::directory_iterator(root_ / "work")->path();
   }
-  fs::path root_;
 };
 
 TEST_F(EarlySignal, EndsACommandThatWritesAFolder) {

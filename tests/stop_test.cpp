@@ -10,29 +10,23 @@
 #include "support/process.h"
 #include "support/small_scene.h"
 #include "support/started_process.h"
+#include "support/stop_fixture.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing_support::kPatienceWithAStop;
+using testing_support::kStatusOfAStop;
 using testing_support::run_aligngs;
 using testing_support::StartedProcess;
+using testing_support::StopFixture;
 using testing_support::wait_until;
 using Words = std::vector<std::string>;
 
-constexpr int kStopped = 75;
-constexpr double kPatienceToStop = 60;  // seconds: three on a machine that does nothing else
-
-class Stop : public testing::Test {
+class Stop : public StopFixture {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / "stop" / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(root_);
-    fs::create_directories(root_ / "work");
-  }
-  std::string path(const std::string& name) const { return (root_ / name).string(); }
-
   /// Content of work/, the folder for outputs, including earlier output.
   void remember() {
     for (const auto& entry : fs::recursive_directory_iterator(root_ / "work")) {
@@ -54,10 +48,10 @@ class Stop : public testing::Test {
   /// Starts a command that would take much longer, sends it a signal when `begun` holds, and looks at how it ends.
   void expect_stopped(const Words& command, int signal, const std::function<bool()>& begun) {
     StartedProcess process(command, root_ / "scratch");
-    ASSERT_TRUE(wait_until([&] { return process.catches(signal) && begun(); }, kPatienceToStop))
+    ASSERT_TRUE(wait_until([&] { return process.catches(signal) && begun(); }, kPatienceWithAStop))
         << command[0] << process.err();
     process.send(signal);
-    EXPECT_EQ(process.wait(kPatienceToStop), kStopped) << command[0] << process.err();
+    EXPECT_EQ(process.wait(kPatienceWithAStop), kStatusOfAStop) << command[0] << process.err();
     EXPECT_THAT(process.err(), HasSubstr(signal == SIGINT    ? "Ctrl-C was heard"
                                          : signal == SIGTERM ? "SIGTERM was heard"
                                                              : "SIGHUP was heard"));
@@ -74,7 +68,6 @@ class Stop : public testing::Test {
       return false;
     };
   }
-  fs::path root_;
   std::map<fs::path, std::string> before_;
 };
 
@@ -128,10 +121,11 @@ TEST_F(Stop, RefineSimulateAndTheRefinementInsideARun) {
   expect_stopped({"refine", scene, "-o", path("work/out"), "--passes", "5"}, SIGINT, at_once);
   expect_stopped({"data", "simulate", scene, "-o", path("work/out")}, SIGTERM, at_once);
   StartedProcess run({"run", scene, "-o", path("work/run"), "-n", "100000"}, root_ / "scratch");
-  ASSERT_TRUE(wait_until([&] { return run.catches(SIGTERM) && fs::exists(root_ / "work" / "run"); }, kPatienceToStop))
+  ASSERT_TRUE(
+      wait_until([&] { return run.catches(SIGTERM) && fs::exists(root_ / "work" / "run"); }, kPatienceWithAStop))
       << run.err();
   run.send(SIGTERM);
-  EXPECT_EQ(run.wait(kPatienceToStop), kStopped) << run.err();
+  EXPECT_EQ(run.wait(kPatienceWithAStop), kStatusOfAStop) << run.err();
   EXPECT_THAT(run.err(), HasSubstr("SIGTERM was heard"));
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "work" / "run")) {
     EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
@@ -167,10 +161,10 @@ TEST_F(Stop, AnEditThatWaitsForAnother) {
 TEST_F(Stop, ATrainingStopsWithACheckpoint) {
   testing_support::write_small_scene(root_ / "scene");
   StartedProcess training({"train", path("scene"), "-o", path("run"), "-n", "1000000"}, root_ / "scratch");
-  ASSERT_TRUE(wait_until([&] { return fs::exists(root_ / "run" / "events.ndjson"); }, kPatienceToStop))
+  ASSERT_TRUE(wait_until([&] { return fs::exists(root_ / "run" / "events.ndjson"); }, kPatienceWithAStop))
       << training.err();
   training.send(SIGHUP);
-  EXPECT_EQ(training.wait(kPatienceToStop), kStopped) << training.err();
+  EXPECT_EQ(training.wait(kPatienceWithAStop), kStatusOfAStop) << training.err();
   EXPECT_THAT(training.err(), HasSubstr("a checkpoint is written"));
   EXPECT_FALSE(fs::is_empty(root_ / "run" / "checkpoints"));
 }
@@ -178,10 +172,10 @@ TEST_F(Stop, ATrainingStopsWithACheckpoint) {
 TEST_F(Stop, NohupIsRespected) {
   StartedProcess process({"synth", path("work/out"), "--size", "1280x960", "--views", "200", "--test-views", "20"},
                          root_ / "scratch", SIGHUP);
-  ASSERT_TRUE(wait_until([&] { return process.catches(SIGTERM); }, kPatienceToStop));
+  ASSERT_TRUE(wait_until([&] { return process.catches(SIGTERM); }, kPatienceWithAStop));
   EXPECT_TRUE(process.ignores(SIGHUP));
   process.send(SIGTERM);
-  EXPECT_EQ(process.wait(kPatienceToStop), kStopped);
+  EXPECT_EQ(process.wait(kPatienceWithAStop), kStatusOfAStop);
 }
 
 }  // namespace

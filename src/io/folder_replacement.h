@@ -11,9 +11,8 @@ namespace aligngs {
 
 /// A folder that is filled under a temporary name beside its place (`<target>.tmp-<pid>`). commit() moves it there,
 /// atomically if the file system can exchange two names. A previous folder there is removed only then. Without commit
-/// the temporary folder is removed. Errors of the file system: Error{kResources} naming the
-/// target, or a folder in it that is protected against writing. commit() is a stop
-/// point (core/stop_signal.h).
+/// the temporary folder is removed. Errors of the file system: Error{kResources} naming the target, or a folder in it
+/// that is protected against writing. commit() is a stop point (core/stop_signal.h).
 class FolderReplacement {
  public:
   explicit FolderReplacement(const std::filesystem::path& target);

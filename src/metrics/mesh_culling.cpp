@@ -73,10 +73,8 @@ class PointVisibility {
 
   /// As VisibilityTest says. `likely`: the camera to ask first, which is then the one that saw the point.
   bool kept(const Vec3d& point, size_t& likely) const {
-    bool any_missing = false;  // in most rooms truth is everywhere: one camera that sees the point then decides
-    for (size_t c = 0; c < eyes_.size() && test_.truth && !any_missing; ++c)
-      any_missing = in_image(c, point) && missing(c, point);
-    if (!any_missing) return seen_by_any(point, likely);
+    // In most rooms truth is everywhere: one camera that sees the point then decides.
+    if (!may_miss(point)) return any_camera_sees(eyes_.size(), likely, [&](size_t c) { return sees(c, point); });
     size_t seen = 0, without = 0;
     for (size_t c = 0; c < eyes_.size(); ++c) {
       if (!sees(c, point)) continue;
@@ -97,12 +95,11 @@ class PointVisibility {
     const auto uv = project_into_image(test_.truth->cameras[camera], point);
     return !uv || !truth_hit_at(test_.truth->hit[camera], *uv);
   }
-  bool seen_by_any(const Vec3d& point, size_t& likely) const {
-    if (likely < eyes_.size() && sees(likely, point)) return true;
+  /// Whether the truth has none on the pixel of a camera in whose image the point lies.
+  bool may_miss(const Vec3d& point) const {
+    if (!test_.truth) return false;
     for (size_t c = 0; c < eyes_.size(); ++c) {
-      if (c == likely || !sees(c, point)) continue;
-      likely = c;
-      return true;
+      if (in_image(c, point) && missing(c, point)) return true;
     }
     return false;
   }

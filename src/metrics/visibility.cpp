@@ -188,12 +188,9 @@ std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera
     size_t likely = 0;  // the camera that saw the point before
     for (size_t i = begin; i < end; ++i) {
       const Vec3d p = points[i].cast<double>();
-      for (size_t k = 0; k < cameras.size() && !seen[i]; ++k) {
-        const size_t c = (likely + k) % cameras.size();
-        if (!project_into_image(cameras[c], p) || !scene.sees(cameras[c].centre(), p, tolerance)) continue;
-        seen[i] = 1;
-        likely = c;
-      }
+      seen[i] = any_camera_sees(cameras.size(), likely, [&](size_t c) {
+        return project_into_image(cameras[c], p) && scene.sees(cameras[c].centre(), p, tolerance);
+      });
     }
   });
   return seen;

@@ -54,6 +54,19 @@ class RayScene {
 /// Image point of a world point that lies in front of the camera and inside its image.
 std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point);
 
+/// Whether `sees(c)` holds for one of `count` cameras. `likely` is asked first; it becomes the camera that sees: points
+/// that follow each other are mostly seen by the same.
+template <class Sees>
+bool any_camera_sees(size_t count, size_t& likely, const Sees& sees) {
+  for (size_t k = 0; k < count; ++k) {
+    const size_t camera = (likely + k) % count;
+    if (!sees(camera)) continue;
+    likely = camera;
+    return true;
+  }
+  return false;
+}
+
 /// Metres: the surface that a point lies on does not hide it.
 inline constexpr double kOwnSurface = 0.005;
 

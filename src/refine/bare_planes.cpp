@@ -156,8 +156,7 @@ size_t move_onto(const std::vector<CameraPlane>& planes, const Image<uint8_t>& l
       ++on;
     }
   }
-  const ImageF factor = spread_log_correction(depth.depth, given, weight, spread, view.luma);
-  for (size_t p = 0; p < factor.data.size(); ++p) depth.depth.data[p] *= std::exp(factor.data[p]);
+  move_depth(given, weight, spread, view.luma, depth);
   return on;
 }
 
@@ -189,12 +188,7 @@ BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const Ba
       on[i] = move_onto(planes, labels, views[i], settings, stereo.spread, depths[i]);
     }
   });
-  size_t pixels = 0, laid = 0;
-  for (size_t i = 0; i < views.size(); ++i) {
-    pixels += depths[i].depth.pixels();
-    laid += on[i];
-  }
-  report.on_planes = pixels == 0 ? 0 : static_cast<double>(laid) / static_cast<double>(pixels);
+  report.on_planes = share_of_pixels(on, depths);
   return report;
 }
 

@@ -74,16 +74,10 @@ LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std
         ++on_planes[i];
         depth.certainty.data[p] = std::max(depth.certainty.data[p], static_cast<float>(settings.certainty));
       }
-      const ImageF factor = spread_log_correction(depth.depth, given, weight, settings.spread, views[i].luma);
-      for (size_t p = 0; p < weight.data.size(); ++p) depth.depth.data[p] *= std::exp(factor.data[p]);
+      move_depth(given, weight, settings.spread, views[i].luma, depth);
     }
   });
-  size_t pixels = 0, on = 0;
-  for (size_t i = 0; i < views.size(); ++i) {
-    pixels += depths[i].depth.pixels();
-    on += on_planes[i];
-  }
-  report.on_planes = pixels == 0 ? 0 : static_cast<double>(on) / static_cast<double>(pixels);
+  report.on_planes = share_of_pixels(on_planes, depths);
   return report;
 }
 

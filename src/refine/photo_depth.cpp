@@ -161,6 +161,21 @@ class Search {
 
 }  // namespace
 
+void move_depth(const ImageF& given, const ImageF& weight, const LogCorrectionSettings& spread, const ImageF& luma,
+                PhotoDepth& photo) {
+  const ImageF factor = spread_log_correction(photo.depth, given, weight, spread, luma);
+  for (size_t p = 0; p < factor.data.size(); ++p) photo.depth.data[p] *= std::exp(factor.data[p]);
+}
+
+double share_of_pixels(const std::vector<size_t>& counts, const std::vector<PhotoDepth>& depths) {
+  size_t pixels = 0, counted = 0;
+  for (size_t i = 0; i < depths.size(); ++i) {
+    pixels += depths[i].depth.pixels();
+    counted += counts[i];
+  }
+  return pixels == 0 ? 0 : static_cast<double>(counted) / static_cast<double>(pixels);
+}
+
 std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
                                     const PhotoDepthSettings& settings, ThreadPool& pool,
                                     const std::function<void(double share)>& progress) {

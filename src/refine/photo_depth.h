@@ -30,6 +30,13 @@ struct PhotoDepth {
   double measured = 0;  ///< share of the pixels whose certainty is not 0
 };
 
+/// Moves the depth by the smoothest field of log factors through `given`, each as sure as its weight; both are H x W
+/// (refine/log_correction.h).
+void move_depth(const ImageF& given, const ImageF& weight, const LogCorrectionSettings& spread, const ImageF& luma,
+                PhotoDepth& photo);
+/// Share of the pixels of all photos that `counts`, one of each, add up to; 0 without pixels.
+double share_of_pixels(const std::vector<size_t>& counts, const std::vector<PhotoDepth>& depths);
+
 /// `views`: camera and luma, MatchView::depth is not read. `points`: world, scene units, of structure from motion.
 /// Those in front of a photo bound its search of depth (fewer than eight: the bounds of the other photos). Photos that
 /// see nothing of another get empty maps. Deterministic for any number of threads.

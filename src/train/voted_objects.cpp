@@ -15,12 +15,13 @@ std::vector<Instance> number_objects(const GaussianModel& model, const Scene& sc
                                      GaussianLabels& labels, ThreadPool& pool) {
   const double extent = robust_extent(scene);
   if (!votes_for_objects(scene, config)) return find_instances(model, labels, extent, {}, pool);
-  const PriorUse use = decide_prior_use(scene, config);
+  const std::vector<float> near_planes =
+      near_planes_of_training_views(scene, config, decide_prior_use(scene, config), pool);
   std::vector<PhotoSegments> photos;
   for (const int v : scene.train) {
     SegmentedView view;
     view.camera = working_camera(scene, config, v);
-    view.near_plane = near_plane_of_view(scene, config, use, v);
+    view.near_plane = near_planes[photos.size()];
     view.segments = read_segments(segment_file_of(scene, scene.views[static_cast<size_t>(v)]), scene.labels.size());
     photos.push_back(sighted_segments(model, view, {}, pool));
   }

@@ -202,8 +202,6 @@ MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
   HiddenPixels hidden;
   const DepthPlacement placement =
       options.source == DepthSource::kPrior ? place_prior_depth(run.scene()) : DepthPlacement();
-  const PriorUse use =
-      options.source == DepthSource::kRendered ? decide_prior_use(run.scene(), run.config()) : PriorUse();
   for (const int view : run.scene().train) {
     if (options.source != DepthSource::kRendered) {
       frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, placement.views[frames.size()], view)
@@ -227,7 +225,7 @@ MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
   if (rendered && run.config().mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
   if (rendered && run.config().init.far_shell && is_sensor_depth(run.scene().prior_source))
-    drop_far_background(run, use, frames);
+    drop_far_background(run, decide_prior_use(run.scene(), run.config()), frames);
   if (rendered) improve_depth(run, frames);
   FusionOptions fusion = fusion_options(run);
   if (options.make_device) fusion.device = options.make_device();
