@@ -43,6 +43,12 @@ void print_planes(const std::vector<ScenePlane>& planes, double share, const std
   if (axes && axes->up) std::printf("up is (%.3f, %.3f, %.3f)\n", axes->up->x, axes->up->y, axes->up->z);
 }
 
+void print_bare_planes(const BarePlaneReport& report) {
+  if (report.planes.empty()) return;
+  std::printf("%zu planes of whatever was measured; %.0f %% of the pixels lie on one\n", report.planes.size(),
+              100 * report.on_planes);
+}
+
 void print_panels(size_t count) {
   if (count > 0) std::printf("%zu panes, mirrors, screens or pictures have planes of their own\n", count);
 }
@@ -94,7 +100,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
       "them\n",
       report.views, 100 * report.measured);
   print_planes(report.planes.planes, report.planes.on_planes, report.planes.axes);
-  print_planes(report.bare.planes, report.bare.on_planes, std::nullopt);
+  print_bare_planes(report.bare);
   print_panels(report.planes.panels.size());
   print_exposure(report.log_gains);
 }
@@ -108,6 +114,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.planes = !options.no_planes;
   refine_options.surfaces = surfaces_of(options);
   refine_options.fuse_labels = options.fuse_labels;
+  refine_options.bare_planes = !options.no_planes && !options.no_bare_planes;
   refine_options.plane_settings.square = !options.no_square;
   refine_options.hypothesis_settings.enabled = !options.no_plane_trials;
   refine_options.panels = !options.no_panels;
@@ -140,6 +147,8 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
                                              {"depth_measured", report.measured},
                                              {"planes", report.planes.size()},
                                              {"on_planes", report.on_planes},
+                                             {"bare_planes", report.bare.planes.size()},
+                                             {"on_bare_planes", report.bare.on_planes},
                                              {"square", report.axes.has_value()},
                                              {"up", up_json(report.axes)},
                                              {"panels", report.panels.size()},
@@ -153,6 +162,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
     std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows the measurements around it\n",
                 100 * report.measured);
   print_planes(report.planes, report.on_planes, report.axes);
+  print_bare_planes(report.bare);
   print_panels(report.panels.size());
   print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
@@ -190,8 +200,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--no-planes", options->no_planes, "leave the depth of walls, floor and ceiling off their planes")
       ->group("Planes");
   command
-      ->add_flag("--no-bare-planes", options->no_bare_planes,
-                 "where depth is measured without labels, keep bare surfaces off the planes of what was measured")
+      ->add_flag("--no-bare-planes", options->no_bare_planes, "keep bare surfaces off the planes of what was measured")
       ->group("Planes");
   command->add_flag("--plane-tables", options->tables, "put the tops of tables, desks and counters on planes, too")
       ->group("Planes");

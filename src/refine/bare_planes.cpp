@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/is_depth.h"
 #include "io/resample.h"
 #include "refine/plane_depth.h"
 #include "refine/view_overlap.h"
+#include "scene/depth_normals.h"
+#include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
@@ -21,8 +24,8 @@ struct SmallPhotos {
   std::vector<MeasuredView> measured;
 };
 
-SmallPhotos small_photos(const std::vector<MatchView>& views, const std::vector<PhotoDepth>& depths, int most_width,
-                         ThreadPool& pool) {
+SmallPhotos small_photos(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                         const std::vector<PhotoDepth>& depths, int most_width, ThreadPool& pool) {
   SmallPhotos small{std::vector<MatchView>(views.size()), std::vector<MeasuredView>(views.size())};
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -33,6 +36,7 @@ SmallPhotos small_photos(const std::vector<MatchView>& views, const std::vector<
       MeasuredView& measured = small.measured[i];
       measured.camera = small.all[i].camera;
       measured.depth = ImageF(width, height, 1);
+      if (!labels.empty() && !labels[i].empty()) measured.labels = resize_nearest(labels[i], width, height);
       if (depths[i].depth.empty()) continue;
       small.all[i].depth = resize_nearest(depths[i].depth, width, height);
       measured.certainty = resize_nearest(depths[i].certainty, width, height);
@@ -55,6 +59,16 @@ float far_end(const ImageF& depth) {
   return *far;
 }
 
+/// Half of 1 at `off` = 1.
+float saturated(double off) { return static_cast<float>(off * off / (1 + off * off)); }
+
+/// A surface that pixels may lie on: a plane, or, without one, the depth that the photo has.
+struct Surface {
+  ImageF depth;  ///< H x W
+  const CameraPlane* plane = nullptr;
+  const std::vector<float>* class_fit = nullptr;  ///< of the plane; not null with one
+};
+
 /// Doubts about a surface in each pixel of a photo.
 class Evidence {
  public:
@@ -63,9 +77,11 @@ class Evidence {
            const BarePlaneSettings& settings, const StereoSettings& stereo)
       : view_(photos.all[photo]),
         measured_(photos.measured[photo].depth),
+        labels_(photos.measured[photo].labels),
         settings_(settings),
         sweep_(stereo.sweep),
         farthest_(static_cast<float>(settings.farthest) * far_end(measured_)) {
+    if (settings.doubts.turned > 0) normals_ = camera_normals(view_.depth, view_.camera);
     sweep_.hypotheses = 1;
     for (const int k : partners) partners_.push_back(&photos.all[static_cast<size_t>(k)]);
     for (const int k : others) {
@@ -74,27 +90,51 @@ class Evidence {
     }
   }
 
-  /// Costs of a surface with this depth: a plane, or the depth that the photo has.
-  void add(const ImageF& depth, bool plane, int label, ImageF& costs) const {
+  void add(const Surface& surface, int label, ImageF& costs) const {
+    const ImageF& depth = surface.depth;
     const CostVolume photo = sweep_prior_depth({view_.camera, view_.luma, depth}, partners_, sweep_);
     for (int y = 0; y < depth.height; ++y) {
       for (int x = 0; x < depth.width; ++x) {
         const float z = depth.at(x, y), measured = measured_.at(x, y);
         float& cost = costs.at(x, y, label);
-        if (!is_depth(z) || (plane && z > farthest_)) {
+        if (!is_depth(z) || (surface.plane != nullptr && z > farthest_)) {
           cost = kNowhere;
         } else if (measured > 0) {
-          const double off = std::log(static_cast<double>(z / measured)) / settings_.reach;
-          cost = plane ? static_cast<float>(off * off / (1 + off * off)) : settings_.of_own_depth;
+          cost = surface.plane != nullptr ? saturated(std::log(static_cast<double>(z / measured)) / settings_.reach)
+                                          : settings_.of_own_depth;
         } else {
           cost = settings_.photo * std::min(1.0f, *photo.at(x, y)) + of_others(x, y, static_cast<double>(z)) +
-                 (plane ? 0 : settings_.of_between);
+                 (surface.plane != nullptr ? of_distance(x, y, static_cast<double>(z)) : settings_.of_between);
         }
+        if (surface.plane != nullptr) cost += of_direction(x, y, *surface.plane) + of_class(x, y, *surface.class_fit);
       }
     }
   }
 
  private:
+  float of_distance(int x, int y, double z) const {
+    const double own = static_cast<double>(view_.depth.at(x, y));
+    return settings_.doubts.far > 0 && own > 0
+               ? settings_.doubts.far * saturated(std::log(z / own) / settings_.doubts.reach)
+               : 0;
+  }
+
+  float of_direction(int x, int y, const CameraPlane& plane) const {
+    if (normals_.empty()) return 0;
+    const float* n = normals_.pixel(x, y);  // 0 where the depth tells none, which is as doubtful as a right angle
+    const double cosine = static_cast<double>(n[0]) * plane.normal.x + static_cast<double>(n[1]) * plane.normal.y +
+                          static_cast<double>(n[2]) * plane.normal.z;
+    return settings_.doubts.turned *
+           saturated(std::acos(std::clamp(cosine, 0.0, 1.0)) * kDegreesPerRadian / settings_.doubts.turn);
+  }
+
+  float of_class(int x, int y, const std::vector<float>& fit) const {
+    if (labels_.empty() || fit.empty()) return 0;
+    const uint16_t label = labels_.at(x, y);
+    if (label == kNoLabel) return 0.5f * settings_.doubts.foreign;  // it may be any class
+    return settings_.doubts.foreign * (1 - (label < fit.size() ? fit[label] : 0));
+  }
+
   struct Other {
     const MeasuredView* view;
     Rigidd to_it;
@@ -121,6 +161,8 @@ class Evidence {
 
   const MatchView& view_;
   const ImageF& measured_;
+  const Image<uint16_t>& labels_;
+  ImageF normals_;
   const BarePlaneSettings& settings_;
   SweepSettings sweep_;
   float farthest_;
@@ -162,10 +204,11 @@ size_t move_onto(const std::vector<CameraPlane>& planes, const Image<uint8_t>& l
 
 }  // namespace
 
-BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const BarePlaneSettings& settings,
-                                   const StereoSettings& stereo, ThreadPool& pool, std::vector<PhotoDepth>& depths) {
+BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                                   const BarePlaneSettings& settings, const StereoSettings& stereo, ThreadPool& pool,
+                                   std::vector<PhotoDepth>& depths) {
   BarePlaneReport report;
-  const SmallPhotos photos = small_photos(views, depths, settings.width, pool);
+  const SmallPhotos photos = small_photos(views, labels, depths, settings.width, pool);
   report.planes = measured_planes(photos.measured, settings.planes, pool);
   if (report.planes.empty()) return report;
   std::vector<const MatchView*> pointers;
@@ -173,6 +216,7 @@ BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const Ba
   const std::vector<std::vector<int>> partners = stereo_partners(pointers, stereo);
   const std::vector<std::vector<int>> others =
       overlapping_views(pointers, pointers, settings.neighbours, stereo.least_overlap / 2, 2 * stereo.largest_turn);
+  const std::vector<std::vector<float>> fit = class_fit(photos.measured, report.planes, settings.doubts.classes);
   std::vector<size_t> on(views.size(), 0);
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -181,11 +225,13 @@ BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const Ba
       const std::vector<CameraPlane> planes = in_frame_of(view.camera, report.planes);
       const Evidence evidence(photos, i, others[i], partners[i], settings, stereo);
       ImageF costs(view.camera.width, view.camera.height, static_cast<int>(planes.size()) + 1);
-      evidence.add(view.depth, false, 0, costs);
-      for (size_t k = 0; k < planes.size(); ++k)
-        evidence.add(depth_on(planes[k], view.camera), true, static_cast<int>(k) + 1, costs);
-      const Image<uint8_t> labels = label_by_paths(costs, view.luma, settings.paths);
-      on[i] = move_onto(planes, labels, views[i], settings, stereo.spread, depths[i]);
+      evidence.add({view.depth}, 0, costs);
+      for (size_t k = 0; k < planes.size(); ++k) {
+        evidence.add({depth_on(planes[k], view.camera), &planes[k], &fit[planes[k].number - 1u]},
+                     static_cast<int>(k) + 1, costs);
+      }
+      const Image<uint8_t> chosen = label_by_paths(costs, view.luma, photos.measured[i].labels, settings.paths);
+      on[i] = move_onto(planes, chosen, views[i], settings, stereo.spread, depths[i]);
     }
   });
   report.on_planes = share_of_pixels(on, depths);

@@ -1,11 +1,22 @@
-// Surfaces too bare to be measured, without labels: they lie on planes of what was measured, where the photos allow it.
+// Surfaces too bare to be measured lie on planes of what was measured, where the photos allow it.
 #pragma once
 
+#include "refine/class_fit.h"
 #include "refine/label_paths.h"
 #include "refine/measured_planes.h"
 #include "refine/photo_depth.h"
 
 namespace aligngs {
+
+/// Doubts about a plane where a network gave the photos depth, and perhaps labels. A cost of 0 leaves a doubt out.
+struct PlaneDoubts {
+  float far = 0;       ///< cost of a plane far from the depth between measured pixels
+  double reach = 0.2;  ///< relative distance that costs half of it
+  float turned = 0;    ///< cost of a plane that faces another way than the depth around the pixel
+  double turn = 30;    ///< degrees that cost half of it
+  float foreign = 1;   ///< cost of a class that was never measured on the plane
+  ClassFitSettings classes;
+};
 
 struct BarePlaneSettings {
   MeasuredPlaneSettings planes;
@@ -23,8 +34,9 @@ struct BarePlaneSettings {
   double agreement = 0.02;     ///< relative: depth that confirms
   double least_hidden = 0.04;  ///< relative: depth that is behind
   double farthest = 1.05;      ///< times what the photo measured: planes end there
-  double strength = 3;         ///< weight of a plane where a sure measurement weighs 1
-  double certainty = 0.3;      ///< of a pixel on a plane that was not measured itself
+  PlaneDoubts doubts;
+  double strength = 3;     ///< weight of a plane where a sure measurement weighs 1
+  double certainty = 0.3;  ///< of a pixel on a plane that was not measured itself
 };
 
 struct BarePlaneReport {
@@ -32,10 +44,20 @@ struct BarePlaneReport {
   double on_planes = 0;  ///< share of the pixels that lie on one
 };
 
+/// For depth of a network that stereo and planes have corrected: it is nearly right where nothing was measured.
+inline BarePlaneSettings bare_planes_of_network() {
+  BarePlaneSettings settings;
+  settings.doubts.far = 1;
+  settings.doubts.turned = 0.5f;
+  return settings;
+}
+
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). Every pixel lies on one of the planes, or
 /// on none, as its neighbours do where the photo shows no edge (refine/label_paths.h). Without planes nothing changes.
+/// `labels`: one H x W map per view, each of which may be empty; or no maps at all.
 /// Deterministic for any number of threads.
-BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const BarePlaneSettings& settings,
-                                   const StereoSettings& stereo, ThreadPool& pool, std::vector<PhotoDepth>& depths);
+BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                                   const BarePlaneSettings& settings, const StereoSettings& stereo, ThreadPool& pool,
+                                   std::vector<PhotoDepth>& depths);
 
 }  // namespace aligngs

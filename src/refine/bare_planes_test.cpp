@@ -18,6 +18,8 @@ struct BareCorner {
   std::vector<PhotoDepth> depths;
   std::vector<ImageF> truth;
   std::vector<Image<uint8_t>> bare;
+  std::vector<Image<uint16_t>> labels;  ///< none, unless a test draws them
+  BarePlaneSettings settings;
 
   explicit BareCorner(int count) {
     for (int i = 0; i < count; ++i) {
@@ -46,7 +48,18 @@ struct BareCorner {
 
   BarePlaneReport lay(int threads = 2) {
     ThreadPool pool(threads);
-    return lay_on_bare_planes(views, {}, {}, pool, depths);
+    return lay_on_bare_planes(views, labels, settings, {}, pool, depths);
+  }
+
+  /// Labels: `of_bare` in the bare part, `elsewhere` in the rest.
+  void label(uint16_t of_bare, uint16_t elsewhere) {
+    labels.clear();
+    for (const Image<uint8_t>& part : bare) {
+      labels.emplace_back(kWidth, kHeight, 1, elsewhere);
+      for (size_t p = 0; p < part.data.size(); ++p) {
+        if (part.data[p]) labels.back().data[p] = of_bare;
+      }
+    }
   }
 
   /// Share of the bare pixels of photo i whose depth is right within 1 %.
@@ -80,6 +93,41 @@ TEST(BarePlanes, AMeasuredThingBeforeTheWallStays) {
   }
   corner.lay();
   EXPECT_NEAR(depth.at(70, 77) / corner.truth[2].at(70, 77), 0.7f, 0.01f);
+}
+
+TEST(BarePlanes, AClassThatWasNeverMeasuredOnThePlaneStaysOffIt) {
+  BareCorner wall(5), lamp(5);
+  wall.settings.doubts.foreign = lamp.settings.doubts.foreign = 3;
+  wall.label(4, 4);
+  lamp.label(7, 4);
+  wall.lay();
+  lamp.lay();
+  for (size_t i = 0; i < wall.views.size(); ++i) {
+    EXPECT_GT(wall.right(i), 0.95) << i;
+    EXPECT_LT(lamp.right(i), 0.05) << i;
+  }
+}
+
+TEST(BarePlanes, DepthFarFromThePlaneIsBelievedWhereANetworkMadeIt) {
+  BareCorner corner(5);
+  corner.settings.doubts.far = 4;  // the bare part is 15 % off, which costs a third of it
+  corner.lay();
+  for (size_t i = 0; i < corner.views.size(); ++i) EXPECT_LT(corner.right(i), 0.05) << i;
+}
+
+TEST(BarePlanes, DepthThatFacesAnotherWayIsBelievedWhereANetworkMadeIt) {
+  BareCorner corner(5);
+  corner.settings.doubts.turned = 4;
+  corner.settings.doubts.turn = 10;
+  for (size_t i = 0; i < corner.views.size(); ++i) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {  // a surface that recedes by 1 % a pixel: it is turned by more than 45 degrees
+        if (corner.bare[i].at(x, y)) corner.depths[i].depth.at(x, y) = 1.5f * std::exp(0.01f * static_cast<float>(x));
+      }
+    }
+  }
+  corner.lay();
+  for (size_t i = 0; i < corner.views.size(); ++i) EXPECT_LT(corner.right(i), 0.2) << i;
 }
 
 TEST(BarePlanes, WithoutMeasurementsNothingChanges) {

@@ -7,9 +7,13 @@
 namespace aligngs {
 namespace {
 
+bool same_class(const Image<uint16_t>& classes, int x, int y, int other_x, int other_y) {
+  return classes.empty() || classes.at(x, y) == classes.at(other_x, other_y);
+}
+
 /// Adds to `sums` the costs of all paths that come from (x - dx, y - dy).
-void add_paths(const ImageF& costs, const ImageF& luma, const LabelPathSettings& settings, int dx, int dy,
-               ImageF& sums) {
+void add_paths(const ImageF& costs, const ImageF& luma, const Image<uint16_t>& classes,
+               const LabelPathSettings& settings, int dx, int dy, ImageF& sums) {
   const int width = costs.width, height = costs.height, labels = costs.channels;
   const size_t row = static_cast<size_t>(width) * labels;
   std::vector<float> previous(row), current(row);
@@ -25,7 +29,8 @@ void add_paths(const ImageF& costs, const ImageF& luma, const LabelPathSettings&
         const float* from = &(dy == 0 ? current : previous)[static_cast<size_t>(from_x) * labels];
         const double step = static_cast<double>(luma.at(x, y) - luma.at(from_x, from_y)) / settings.luma_edge;
         const float least = *std::min_element(from, from + labels),
-                    change = static_cast<float>(settings.change / (1 + step * step));
+                    change = static_cast<float>(settings.change / (1 + step * step)) *
+                             (same_class(classes, x, y, from_x, from_y) ? 1 : settings.class_edge);
         for (int k = 0; k < labels; ++k) out[k] = cost[k] + std::min(from[k] - least, change);
       }
       float* sum = sums.pixel(x, y);
@@ -37,11 +42,12 @@ void add_paths(const ImageF& costs, const ImageF& luma, const LabelPathSettings&
 
 }  // namespace
 
-Image<uint8_t> label_by_paths(const ImageF& costs, const ImageF& luma, const LabelPathSettings& settings) {
+Image<uint8_t> label_by_paths(const ImageF& costs, const ImageF& luma, const Image<uint16_t>& classes,
+                              const LabelPathSettings& settings) {
   ImageF sums(costs.width, costs.height, costs.channels);
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
-      if (dx != 0 || dy != 0) add_paths(costs, luma, settings, dx, dy, sums);
+      if (dx != 0 || dy != 0) add_paths(costs, luma, classes, settings, dx, dy, sums);
     }
   }
   Image<uint8_t> labels(costs.width, costs.height, 1);

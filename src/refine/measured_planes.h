@@ -44,6 +44,7 @@ struct MeasuredPlaneSettings {
 struct MeasuredView {
   Camera camera;
   ImageF depth, certainty;
+  Image<uint16_t> labels;  ///< H x W: class of each pixel, kNoLabel = none; empty: the photo has no labels
 };
 
 /// Planes by falling number of points. In a room that is built square, all face along its axes, within `axes.angle`.

@@ -16,7 +16,7 @@ std::vector<MeasuredView> measured_corner(int count) {
   std::vector<MeasuredView> views;
   for (int i = 0; i < count; ++i) {
     RefineView shown = photo(true_camera(i));
-    views.push_back({shown.match.camera, std::move(shown.match.depth), ImageF(kWidth, kHeight, 1, 1.0f)});
+    views.push_back({shown.match.camera, std::move(shown.match.depth), ImageF(kWidth, kHeight, 1, 1.0f), {}});
   }
   return views;
 }

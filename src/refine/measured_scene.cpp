@@ -117,8 +117,10 @@ MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const Meas
     FlatClasses classes{plane_classes(scene.labels, options.surfaces), {}};
     if (options.panels) classes.panels = panel_classes(scene.labels);
     report.planes = lay_on_planes(photos.match, photos.labels, classes, settings, pool, depths);
-  } else if (options.bare_planes) {
-    report.bare = lay_on_bare_planes(photos.match, options.bare_settings, options.settings.stereo, pool, depths);
+  }
+  if (options.bare_planes) {
+    report.bare =
+        lay_on_bare_planes(photos.match, photos.labels, options.bare_settings, options.settings.stereo, pool, depths);
   }
   if (options.exposure) report.log_gains = measure_exposure(photos, depths, options, pool);
   FolderReplacement replacement(output);

@@ -19,7 +19,7 @@ struct MeasureSceneOptions {
   LabelledDepthSettings plane_settings;
   bool planes = true;  ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
-  bool bare_planes = true;  ///< without labels, bare surfaces are laid on planes of what was measured
+  bool bare_planes = true;  ///< bare surfaces are laid on planes of what was measured
   BarePlaneSettings bare_settings;
   bool panels = true;  ///< and panes, mirrors, screens and pictures on planes of their own
   ExposureSettings exposure_settings;
@@ -37,7 +37,7 @@ struct MeasureSceneReport {
   double measured = 0;  ///< mean over the training views of the share of pixels whose depth another photo confirms
   size_t views = 0;     ///< training views whose depth could be measured; 0: nothing was written
   LabelledDepthReport planes;    ///< nothing in it without labels
-  BarePlaneReport bare;          ///< nothing in it with labels
+  BarePlaneReport bare;          ///< planes of whatever was measured
   std::vector<Vec3f> log_gains;  ///< of the training views; empty without
 };
 

@@ -145,12 +145,17 @@ std::vector<StereoResult> measure_depth(const std::vector<MatchView>& photos, co
   });
 }
 
+/// Maps of each training photo, at its size.
+struct MeasuredFactors {
+  std::vector<ImageF> log_factors;  ///< on its depth
+  std::vector<ImageF> certainty;    ///< of its measurements, >= 0; an empty image: it has none
+};
+
 /// Log factors on the photos' depth: stereo's measurements and the planes of the room, each as sure as it is, spread
 /// together.
-std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos,
-                                        const std::vector<Image<uint16_t>>& labels,
-                                        const std::vector<StereoResult>& stereo, const RefineSceneOptions& options,
-                                        ThreadPool& pool, RefineSceneReport& report) {
+MeasuredFactors factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos,
+                                    const std::vector<Image<uint16_t>>& labels, const std::vector<StereoResult>& stereo,
+                                    const RefineSceneOptions& options, ThreadPool& pool, RefineSceneReport& report) {
   std::vector<PlaneView> views(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -187,7 +192,7 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
   report.planes = planes.planes;
   report.axes = planes.axes;
   report.on_planes = planes.share;
-  std::vector<ImageF> factors(photos.size());
+  MeasuredFactors factors{std::vector<ImageF>(photos.size()), std::vector<ImageF>(photos.size())};
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       const StereoResult& own = stereo[i];
@@ -201,23 +206,27 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
         const float measured = certainty > 0 ? certainty * own.own_factor.data[p] : 0;
         given.data[p] = (measured + plane.weight.data[p] * (spread + plane.log_factor.data[p])) / weight.data[p];
       }
-      factors[i] = spread_log_correction(photos[i].depth, given, weight, options.stereo_settings.spread);
+      factors.log_factors[i] = spread_log_correction(photos[i].depth, given, weight, options.stereo_settings.spread);
+      factors.certainty[i] = std::move(weight);
     }
   });
   return factors;
 }
 
-/// Log factors on the grid-corrected depth of each training view, at the photos' size; empty images: none.
-std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<MatchView>& photos,
-                                     const std::vector<Image<uint16_t>>& labels, const RefineSceneOptions& options,
-                                     ThreadPool& pool, RefineSceneReport& report) {
+/// Log factors on the grid-corrected depth of each training view; empty images: none.
+MeasuredFactors measured_factors(const Scene& scene, const std::vector<MatchView>& photos,
+                                 const std::vector<Image<uint16_t>>& labels, const RefineSceneOptions& options,
+                                 ThreadPool& pool, RefineSceneReport& report) {
   std::vector<StereoResult> stereo(photos.size());
   if (options.stereo) stereo = measure_depth(photos, options, pool);
   report.measured = 0;
   for (const StereoResult& result : stereo) report.measured += result.measured / static_cast<double>(photos.size());
   if (uses_planes(scene, options)) return factors_with_planes(scene, photos, labels, stereo, options, pool, report);
-  std::vector<ImageF> factors;
-  for (StereoResult& result : stereo) factors.push_back(std::move(result.log_factor));
+  MeasuredFactors factors;
+  for (StereoResult& result : stereo) {
+    factors.log_factors.push_back(std::move(result.log_factor));
+    factors.certainty.push_back(std::move(result.certainty));
+  }
   return factors;
 }
 
@@ -257,9 +266,10 @@ void note_scene_depth(const fs::path& folder) {
   write_priors_json(folder / "priors.json", priors);
 }
 
-/// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards.
-void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, ScenePhotos& photos,
-                 std::vector<ImageF>& log_factors, RefineSceneReport& report) {
+/// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards. Returns how
+/// sure their depth is.
+std::vector<ImageF> refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool,
+                                ScenePhotos& photos, std::vector<ImageF>& log_factors, RefineSceneReport& report) {
   std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
   const RefineResult before = report.cameras;
@@ -276,7 +286,7 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
     report.cameras.focal_factor *= before.focal_factor;
     for (size_t i = 0; i < views.size(); ++i) report.cameras.views[i].misplaced |= before.views[i].misplaced;
   }
-  std::vector<ImageF> measured(training);
+  MeasuredFactors measured{std::vector<ImageF>(training), {}};
   if (options.correct_depth)
     measured = measured_factors(scene, corrected_photos(views, training, report.cameras), photos.labels, options, pool,
                                 report);
@@ -284,9 +294,24 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
     views[i].match.camera = report.cameras.views[i].camera;
     if (i >= training || !options.correct_depth) continue;
     ImageF factor = grid_factor(report.cameras.views[i].depth, views[i].match.depth.width, views[i].match.depth.height);
-    add_to(factor, measured[i]);
+    add_to(factor, measured.log_factors[i]);
     apply(factor, views[i].match.depth);
     add_to(log_factors[i], factor);
+  }
+  return std::move(measured.certainty);
+}
+
+/// Moves the depth of the training photos, whose pixels are as sure as `certainty`, onto planes of what was measured.
+void lay_on_planes_of_all(const RefineSceneOptions& options, const std::vector<ImageF>& certainty, ThreadPool& pool,
+                          ScenePhotos& photos, std::vector<ImageF>& log_factors, RefineSceneReport& report) {
+  std::vector<MatchView> match;
+  for (size_t i = 0; i < log_factors.size(); ++i) match.push_back(photos.views[i].match);
+  const BarePlaneFactors factors =
+      bare_plane_factors(match, photos.labels, certainty, options.bare_settings, options.stereo_settings, pool);
+  report.bare = factors.report;
+  for (size_t i = 0; i < log_factors.size(); ++i) {
+    apply(factors.log_factors[i], photos.views[i].match.depth);
+    add_to(log_factors[i], factors.log_factors[i]);
   }
 }
 
@@ -323,7 +348,11 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
   RefineSceneReport report;
   report.depth_placement = describe(placement);
   for (const RefineView& view : views) report.names.push_back(view.name);
-  for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, photos, log_factors, report);
+  std::vector<ImageF> certainty;
+  for (int pass = 0; pass < options.passes; ++pass)
+    certainty = refine_once(scene, options, pool, photos, log_factors, report);
+  if (options.bare_planes && !certainty.empty())
+    lay_on_planes_of_all(options, certainty, pool, photos, log_factors, report);
   if (options.exposure) report.log_gains = measure_exposure(photos, training, options, pool);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/progress.h"
+#include "refine/bare_plane_factors.h"
 #include "refine/exposure.h"
 #include "refine/guided_stereo.h"
 #include "refine/panel_depth.h"
@@ -30,6 +31,8 @@ struct RefineSceneOptions {
   PanelDepthSettings panel_settings;
   /// where planes are looked for: panes, mirrors, screens and pictures get planes of their own
   bool panels = true;
+  bool bare_planes = true;  ///< at the end, bare surfaces are laid on planes of what was measured, whatever it is
+  BarePlaneSettings bare_settings = bare_planes_of_network();
   ScreenSettings screen_settings;  ///< of those of screens, which edges in several photos tell
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
@@ -52,6 +55,7 @@ struct RefineSceneReport {
   std::vector<Panel> panels;
   std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
   double on_planes = 0;          ///< share of the pixels with depth that lie on one of them
+  BarePlaneReport bare;          ///< planes of whatever was measured
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };
 

@@ -17,7 +17,7 @@ struct DataConfig {
   double scale = 1;  ///< working resolution / image resolution
   PriorDepthUse prior_depth = PriorDepthUse::kAuto;
   bool measure_depth = false;   ///< `run`: depth by multi-view stereo where the scene has points and no prior depth
-  bool bare_planes = false;     ///< and without labels, bare surfaces lie on planes of what was measured
+  bool bare_planes = false;     ///< bare surfaces lie on planes of what was measured
   bool refine_cameras = false;  ///< `run` and `demo`: correct cameras and prior depth before training
   bool refine_stereo = false;   ///< and the depth by multi-view stereo
   bool refine_planes = false;   ///< and by the planes of walls, floor and ceiling

@@ -51,6 +51,12 @@ std::string describe_check(const SensorCameras& check, bool asked) {
   return found + (asked ? "; they stay as they are" : "; data.sensor_cameras=true corrects them where that helps");
 }
 
+void log_bare_planes(const BarePlaneReport& report) {
+  if (report.planes.empty()) return;
+  log_info("{} planes of whatever was measured; {:.0f} % of the pixels lie on one", report.planes.size(),
+           100 * report.on_planes);
+}
+
 }  // namespace
 
 bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig& config,
@@ -67,10 +73,7 @@ bool measure_into_run(const Scene& scene, const fs::path& run, const TrainConfig
   }
   log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views,
            100 * report.measured);
-  if (!report.bare.planes.empty()) {
-    log_info("{} planes without labels; {:.0f} % of the pixels lie on one", report.bare.planes.size(),
-             100 * report.bare.on_planes);
-  }
+  log_bare_planes(report.bare);
   return true;
 }
 
@@ -114,6 +117,7 @@ void refine_into_run(const Scene& scene, const fs::path& run, const TrainConfig&
   options.stereo = config.data.refine_stereo;
   options.fuse_labels = config.data.refine_fused_labels;
   options.screen_settings.enabled = config.data.refine_screens;
+  options.bare_planes = config.data.bare_planes;
   options.plane_settings.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   make_folders(run);
@@ -130,6 +134,7 @@ void refine_into_run(const Scene& scene, const fs::path& run, const TrainConfig&
   if (!report.planes.empty()) {
     log_info("{} planes; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
   }
+  log_bare_planes(report.bare);
   if (!report.panels.empty())
     log_info("{} panes, mirrors, screens or pictures have planes of their own", report.panels.size());
 }
