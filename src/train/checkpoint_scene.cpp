@@ -20,10 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kSceneFile = "scene_ply";         // metadata: bytes and CRC-32 of the file
-constexpr const char* kLengths = "rotations.lengths";   // per Gaussian
+constexpr const char* kSceneFile = "scene_ply";           // metadata: bytes and CRC-32 of the file
+constexpr const char* kLengths = "rotations.lengths";     // per Gaussian
 constexpr const char* kLastBits = "rotations.last_bits";  // per number: steps from unit times length to the value
-constexpr int kMostSteps = 127;                         // three occur
+constexpr int kMostSteps = 127;                           // three occur
 
 std::string identity_of(const std::string& bytes) {
   const auto crc = static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
@@ -70,8 +70,8 @@ bool refer_to_scene(const fs::path& scene_ply, const GaussianModel& model, Tenso
     return false;  // of something else
   }
   if (written.size() != model.size() || !same_bits(written.positions, model.positions) ||
-      !same_bits(written.log_scales, model.log_scales) ||
-      !same_bits(written.opacity_logits, model.opacity_logits) || !same_bits(written.sh, model.sh)) {
+      !same_bits(written.log_scales, model.log_scales) || !same_bits(written.opacity_logits, model.opacity_logits) ||
+      !same_bits(written.sh, model.sh)) {
     return false;
   }
   std::vector<float> lengths(model.size());

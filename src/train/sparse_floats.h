@@ -12,7 +12,7 @@ namespace aligngs {
 
 struct SparseFloats {
   uint32_t common = 0;  ///< bits of the value that is left out
-  std::string bytes;    ///< the bits, least significant first; then each byte of the other values by itself, lowest first
+  std::string bytes;  ///< the bits, least significant first; then each byte of the other values by itself, lowest first
 };
 
 /// Nothing where one value, bit for bit, does not fill three quarters. `floats` are little-endian.

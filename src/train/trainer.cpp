@@ -17,6 +17,8 @@
 namespace aligngs {
 namespace {
 
+constexpr int64_t kSoonOver =
+    4;  // a checkpoint within a quarter of their distance from the end is left to the last one
 constexpr double kAverageKeep = 0.98;  // running mean over about 50 steps: a few epochs of a small scene
 
 Random generator(const TrainConfig& config, RandomPurpose purpose) {
@@ -104,7 +106,8 @@ TrainingState Trainer::run(TrainingState state) {
     if (stop_requested()) stop_here();
     obey();
     iterate(state_.iteration + 1, events);
-    if (state_.iteration % in_.config.checkpoint.every == 0) write_state();
+    const int64_t every = in_.config.checkpoint.every;
+    if (state_.iteration % every == 0 && kSoonOver * (last - state_.iteration) > every) write_state();
     update_progress(report_, progress);
   }
   if (checkpointed_ != state_.iteration) write_state();
