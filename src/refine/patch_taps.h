@@ -22,7 +22,7 @@ ALIGNGS_ALWAYS_INLINE void add_tap(const ShiftedScores::Tap& tap, const TapCorne
   const FloatLanes top = (1 - tap.right) * c.upper_left + tap.right * c.upper_right,
                    bottom = (1 - tap.right) * c.lower_left + tap.right * c.lower_right;
   const FloatLanes mixed = (1 - tap.down) * top + tap.down * bottom;
-  const DoubleLanes luma = __builtin_convertvector(mixed, DoubleLanes);
+  const DoubleLanes luma = doubles_of(mixed);
   to.dot += static_cast<double>(tap.value) * luma;
   to.sum += luma;
   to.squares += luma * luma;
