@@ -282,8 +282,8 @@ EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit
   const RunFolder paths(replacement.path());
   write_file_atomically(paths.config(), read_file(RunFolder(folder()).config()));
   const TrainingState state = edited_state(std::move(trained), after);
+  write_room(replacement.path(), after);  // first: the checkpoint of a finished run refers to its scene.ply
   write_checkpoint(paths.checkpoints(), state, run_->record.fingerprint, 1);
-  write_room(replacement.path(), after);
   write_camera_outputs(paths, scene(), run_->config);
   write_before_after(replacement.path() / "before_after.png", compare(room(), after));
   if (edit.kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(after), *pool_);

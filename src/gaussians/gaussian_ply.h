@@ -19,13 +19,16 @@ struct GaussianLabels {
 /// Strict: exactly the 62 float32 properties in order, binary little-endian, no time, no path: what every viewer of
 /// splats reads.
 void write_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model);
-/// The same properties, then label, instance and confidence, for readers that look properties up by name. Harmonics
-/// that are zero everywhere are left out, so that a row has 45, 24, 9 or 0 values f_rest_*.
+/// The same properties, then label, instance and confidence, for readers that look properties up by name. Normals,
+/// which are zero, are left out. Harmonics that are zero everywhere are left out, so that a row has 45, 24, 9 or 0 values
+/// f_rest_*.
 void write_labelled_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model,
                                  const GaussianLabels& labels);
 /// Any property order, type and endianness; missing SH are zero; semantic_0.. are read when present.
 /// Non-finite values and missing required properties are Error{kBadInput}.
 GaussianModel read_gaussian_ply(const std::filesystem::path& path);
+/// The same for the bytes of a file.
+GaussianModel decode_gaussian_ply(const std::string& bytes, const std::filesystem::path& name_for_errors);
 
 struct LabelledModel {
   GaussianModel model;

@@ -169,8 +169,7 @@ struct LabelColumns {
 };
 
 /// Reads the model, and with `labels` these three columns.
-GaussianModel read_columns(const std::filesystem::path& path, LabelColumns* labels) {
-  const std::string bytes = read_file(path);
+GaussianModel read_columns(const std::string& bytes, const std::filesystem::path& path, LabelColumns* labels) {
   PlyHeader header = parse_ply_header(bytes, path);
   const bool plain = is_plain(header);
   const PlyFile file = plain ? std::move(header.file) : decode_ply(bytes, path);
@@ -201,12 +200,18 @@ GaussianModel read_columns(const std::filesystem::path& path, LabelColumns* labe
 
 }  // namespace
 
-GaussianModel read_gaussian_ply(const std::filesystem::path& path) { return read_columns(path, nullptr); }
+GaussianModel read_gaussian_ply(const std::filesystem::path& path) {
+  return decode_gaussian_ply(read_file(path), path);
+}
+
+GaussianModel decode_gaussian_ply(const std::string& bytes, const std::filesystem::path& name) {
+  return read_columns(bytes, name, nullptr);
+}
 
 LabelledModel read_labelled_gaussian_ply(const std::filesystem::path& path) {
   LabelColumns columns;
   LabelledModel out;
-  out.model = read_columns(path, &columns);
+  out.model = read_columns(read_file(path), path, &columns);
   out.labels.label = integers<uint16_t>(columns.label, path, "label");
   out.labels.instance = integers<uint16_t>(columns.instance, path, "instance");
   out.labels.confidence = integers<uint8_t>(columns.confidence, path, "confidence");

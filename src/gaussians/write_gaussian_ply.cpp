@@ -8,19 +8,22 @@
 namespace aligngs {
 namespace {
 
-constexpr int kHead = 9;  ///< numbers before the harmonics: x y z, n x y z, f_dc 3
-constexpr int kTail = 8;  ///< and after them: opacity, scale 3, rot 4
+constexpr int kTail = 8;  ///< numbers after the harmonics: opacity, scale 3, rot 4
 
-/// The harmonics of a file, and the labels that follow them.
+/// The harmonics of a file, and the labels that follow them. Readers of labels need no normals.
 struct RowLayout {
   int rest = 0;  ///< coefficients per colour channel beyond the constant one
   const GaussianLabels* labels = nullptr;
 
-  size_t floats() const { return static_cast<size_t>(kHead + 3 * rest + kTail); }
+  int normals() const { return labels ? 0 : 3; }
+  int head() const { return 3 + normals() + 3; }  ///< numbers before the harmonics: x y z, n x y z, f_dc 3
+  size_t floats() const { return static_cast<size_t>(head() + 3 * rest + kTail); }
 };
 
 std::vector<std::string> float_properties(const RowLayout& layout) {
-  std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"};
+  std::vector<std::string> names = {"x", "y", "z"};
+  if (layout.normals() > 0) names.insert(names.end(), {"nx", "ny", "nz"});
+  names.insert(names.end(), {"f_dc_0", "f_dc_1", "f_dc_2"});
   for (int i = 0; i < 3 * layout.rest; ++i) names.push_back("f_rest_" + std::to_string(i));
   for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
     names.emplace_back(name);
@@ -38,15 +41,16 @@ std::string header_of(size_t count, const RowLayout& layout) {
 }
 
 /// The numbers of one Gaussian in file order; normals are zero, as the format's other writers leave them.
-void fill_row(const GaussianModel& model, size_t i, int rest, float* row) {
+void fill_row(const GaussianModel& model, size_t i, const RowLayout& layout, float* row) {
+  const int rest = layout.rest, head = layout.head(), normals = layout.normals();
   const float* position = &model.positions[3 * i];
   const float* sh = &model.sh[size_t(3) * kShCoefficients * i];
-  float* tail = row + kHead + 3 * rest;
+  float* tail = row + head + 3 * rest;
   for (int k = 0; k < 3; ++k) {
     row[k] = position[k];
-    row[3 + k] = 0;
-    row[6 + k] = sh[k];
-    for (int j = 0; j < rest; ++j) row[kHead + rest * k + j] = sh[3 * (1 + j) + k];  // channel-major in the file
+    if (normals > 0) row[3 + k] = 0;
+    row[3 + normals + k] = sh[k];
+    for (int j = 0; j < rest; ++j) row[head + rest * k + j] = sh[3 * (1 + j) + k];  // channel-major in the file
     tail[1 + k] = model.log_scales[3 * i + k];
   }
   tail[0] = model.opacity_logits[i];
@@ -85,7 +89,7 @@ void write_rows(const std::filesystem::path& path, const GaussianModel& model, c
   constexpr size_t kFlush = size_t(1) << 20;  // bytes handed over at a time
   std::vector<float> row(layout.floats());
   for (size_t i = 0; i < count; ++i) {
-    fill_row(model, i, layout.rest, row.data());
+    fill_row(model, i, layout, row.data());
     for (float value : row) {
       if (std::isfinite(value)) continue;
       throw Error(

@@ -53,13 +53,13 @@ bool inside_truth_masks(const Vec3f& vertex, const TruthView& view) {
   return seen;
 }
 
-/// `keep(point, hint)`: the hint is 0 at the first point of a chunk, and then as the point before left it.
+/// `keep(i, hint)` of each point: the hint is 0 at the first of a chunk, and then as the point before left it.
 template <class Keep>
-std::vector<uint8_t> test_points(const std::vector<Vec3f>& points, ThreadPool& pool, const Keep& keep) {
-  std::vector<uint8_t> kept(points.size(), 0);
-  pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
+std::vector<uint8_t> test_points(size_t points, ThreadPool& pool, const Keep& keep) {
+  std::vector<uint8_t> kept(points, 0);
+  pool.parallel_for(points, kPointGrain, [&](size_t begin, size_t end, int) {
     size_t hint = 0;
-    for (size_t i = begin; i < end; ++i) kept[i] = keep(points[i], hint);
+    for (size_t i = begin; i < end; ++i) kept[i] = keep(i, hint);
   });
   return kept;
 }
@@ -71,16 +71,21 @@ class PointVisibility {
     for (const Camera& c : test.cameras) eyes_.push_back(c.centre());
   }
 
-  /// As VisibilityTest says. `likely`: the camera to ask first, which is then the one that saw the point.
-  bool kept(const Vec3d& point, size_t& likely) const {
+  /// As VisibilityTest says. `likely`: the camera to ask first, which is then the one that saw the point. `any`: some
+  /// camera sees it.
+  bool kept(const Vec3d& point, size_t& likely, uint8_t& any) const {
     // In most rooms truth is everywhere: one camera that sees the point then decides.
-    if (!may_miss(point)) return any_camera_sees(eyes_.size(), likely, [&](size_t c) { return sees(c, point); });
+    if (!may_miss(point)) {
+      any = any_camera_sees(eyes_.size(), likely, [&](size_t c) { return sees(c, point); });
+      return any != 0;
+    }
     size_t seen = 0, without = 0;
     for (size_t c = 0; c < eyes_.size(); ++c) {
       if (!sees(c, point)) continue;
       ++seen;
       without += missing(c, point);
     }
+    any = seen > 0;
     return seen > 0 && static_cast<double>(without) <= test_.options.max_missing_truth * static_cast<double>(seen);
   }
 
@@ -130,23 +135,15 @@ std::vector<Camera> ray_cameras(const std::vector<Camera>& cameras, int columns)
   return resized;
 }
 
-TruthView look_at_truth(const TriangleMesh& truth, const RayScene& rays, const std::vector<Camera>& cameras,
-                        ThreadPool& pool, const MeshProtocolOptions& options) {
+TruthView look_at_truth(const TriangleMesh& truth, HitCache& hits, const std::vector<Camera>& cameras,
+                        const std::vector<size_t>& chosen) {
+  const std::vector<uint8_t> all(truth.triangles.size(), 1);
   TruthView view;
-  view.cameras = ray_cameras(cameras, options.ray_columns);
-  std::vector<uint8_t> keep(truth.triangles.size(), 0);
-  for (const Camera& camera : view.cameras) {
-    const FirstHits hits = rays.cast(camera, pool);
-    Image<uint8_t> mask(camera.width, camera.height, 1);
-    for (size_t i = 0; i < mask.data.size(); ++i) {
-      const uint32_t t = hits.triangle.data[i];
-      if (t == kNoTriangle) continue;
-      keep[t] = 1;
-      mask.data[i] = 1;
-    }
-    view.hit.push_back(std::move(mask));
+  for (const size_t c : chosen) {
+    view.cameras.push_back(cameras[c]);
+    view.hit.push_back(hits.of(c, all).hit);
   }
-  view.culled = keep_triangles(truth, keep);
+  view.culled = keep_triangles(truth, hits.seen(chosen, all));
   return view;
 }
 
@@ -161,7 +158,7 @@ std::vector<uint8_t> triangles_in_box(const TriangleMesh& mesh, const std::vecto
 
 std::vector<Vec3f> points_where_truth_is(const std::vector<Vec3f>& points, const TruthView& truth, ThreadPool& pool) {
   const std::vector<uint8_t> keep =
-      test_points(points, pool, [&](const Vec3f& p, size_t&) { return inside_truth_masks(p, truth); });
+      test_points(points.size(), pool, [&](size_t i, size_t&) { return inside_truth_masks(points[i], truth); });
   std::vector<Vec3f> kept;
   for (size_t i = 0; i < keep.size(); ++i) {
     if (keep[i]) kept.push_back(points[i]);
@@ -172,10 +169,12 @@ std::vector<Vec3f> points_where_truth_is(const std::vector<Vec3f>& points, const
 VisibleSamples visible_samples(const SurfaceSamples& samples, const RayScene& rays, const VisibilityTest& test,
                                ThreadPool& pool) {
   const PointVisibility visibility(rays, test);
-  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p, size_t& likely) {
-    return visibility.kept(p.cast<double>(), likely);
-  });
   VisibleSamples visible;
+  visible.seen.assign(samples.positions.size(), 0);
+  const std::vector<uint8_t> keep = test_points(samples.positions.size(), pool, [&](size_t i, size_t& likely) {
+    if (test.seen_by_more && !(*test.seen_by_more)[i]) return false;
+    return visibility.kept(samples.positions[i].cast<double>(), likely, visible.seen[i]);
+  });
   visible.points = select(samples, keep);
   visible.capped = samples.capped;
   if (!samples.positions.empty()) {

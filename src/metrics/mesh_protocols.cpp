@@ -31,16 +31,17 @@ void require_input(const MeshEvaluationInput& input) {
   }
 }
 
-std::vector<Camera> culling_cameras(const MeshEvaluationInput& input, CullingViews culling, size_t max_cameras) {
-  std::vector<Camera> cameras;
+/// Places in input.truth_cameras.
+std::vector<size_t> culling_views(const MeshEvaluationInput& input, CullingViews culling, size_t max_cameras) {
+  std::vector<size_t> views;
   if (culling == CullingViews::kAll) {
-    cameras = input.truth_cameras;
+    for (size_t i = 0; i < input.truth_cameras.size(); ++i) views.push_back(i);
   } else {
-    for (const int i : input.train) cameras.push_back(input.truth_cameras[i]);
+    for (const int i : input.train) views.push_back(static_cast<size_t>(i));
   }
-  if (max_cameras == 0 || cameras.size() <= max_cameras) return cameras;
-  std::vector<Camera> strided;
-  for (size_t i = 0; i < max_cameras; ++i) strided.push_back(cameras[i * cameras.size() / max_cameras]);
+  if (max_cameras == 0 || views.size() <= max_cameras) return views;
+  std::vector<size_t> strided;
+  for (size_t i = 0; i < max_cameras; ++i) strided.push_back(views[i * views.size() / max_cameras]);
   return strided;
 }
 
@@ -89,9 +90,15 @@ TriangleMesh aligned_prediction(const MeshEvaluationInput& input, MeshAlignment 
 
 /// A mesh with what every protocol asks of it; made one after the other, a mesh of a million triangles takes seconds.
 struct Surface {
-  explicit Surface(TriangleMesh m) : mesh(std::move(m)), rays(mesh) {}
+  Surface(TriangleMesh m, const std::vector<Camera>& ray_cameras, ThreadPool& pool)
+      : mesh(std::move(m)), rays(mesh), hits(rays, mesh.triangles.size(), ray_cameras, pool) {}
+  Surface(const Surface&) = delete;
+  Surface& operator=(const Surface&) = delete;
+
   TriangleMesh mesh;
   RayScene rays;
+  HitCache hits;
+  std::vector<uint8_t> seen;  // of the samples, by all cameras (VisibleSamples); empty: not known
   std::optional<SurfaceSamples> samples;
   const SurfaceSamples& sampled(const MeshProtocolOptions& options) {
     if (!samples) samples = sample_surface(mesh, {options.points_per_area, options.max_points, options.seed});
@@ -105,6 +112,7 @@ class Evaluator {
   Evaluator(const MeshEvaluationInput& input, const MeshProtocolOptions& options, ThreadPool& pool)
       : input_(input), options_(options), pool_(pool) {
     require_input(input);
+    ray_cameras_ = ray_cameras(input.truth_cameras, options.ray_columns);
   }
 
   /// For protocols without ICP: a tree is built by one thread, so that it is always the same, but two trees can be at
@@ -123,10 +131,9 @@ class Evaluator {
   MeshProtocolResult neuris_vertices(CullingViews culling, MeshAlignment alignment) {
     MeshProtocolResult result = named("neuris_vertices", culling, alignment);
     const TruthView& truth = truth_seen_by(culling);
-    const Surface& predicted = prediction(truth, alignment, result.alignment_report);
+    Surface& predicted = prediction(truth, alignment, result.alignment_report);
     const std::vector<uint8_t> inside = triangles_in_box(predicted.mesh, truth.culled.vertices, kBoxScale);
-    const TriangleMesh mesh =
-        keep_triangles(predicted.mesh, first_hit_triangles(predicted.rays, inside, truth.cameras, pool_));
+    const TriangleMesh mesh = keep_triangles(predicted.mesh, predicted.hits.seen(views(culling), inside));
     const std::vector<Vec3f> vertices = points_where_truth_is(mesh.vertices, truth, pool_);
     result.truth_area = area_of(truth.culled);
     result.scores = compare_points({thin_to_voxels(vertices, options_.voxel), {}},
@@ -137,13 +144,11 @@ class Evaluator {
 
   MeshProtocolResult area_samples(CullingViews culling, MeshAlignment alignment) {
     MeshProtocolResult result = named("area_samples", culling, alignment);
-    const std::vector<Camera> cameras = culling_cameras(input_, culling, options_.max_cameras);
+    const std::vector<Camera> cameras = culling_cameras(culling);
     const TruthView& seen = truth_seen_by(culling);
     Surface& mesh = prediction(seen, alignment, result.alignment_report);
-    const VisibleSamples predicted =
-        visible_samples(mesh.sampled(options_), mesh.rays, {cameras, &seen, options_}, pool_);
-    const VisibleSamples expected =
-        visible_samples(truth().sampled(options_), truth().rays, {cameras, nullptr, options_}, pool_);
+    const VisibleSamples predicted = visible_part(mesh, {cameras, &seen, options_}, culling);
+    const VisibleSamples expected = visible_part(truth(), {cameras, nullptr, options_}, culling);
     result.capped = predicted.capped || expected.capped;
     result.predicted_area = predicted.area;
     result.truth_area = expected.area;
@@ -154,19 +159,33 @@ class Evaluator {
 
   SurfaceQuality surface(MeshAlignment alignment) {
     AlignmentReport report;
-    const Surface& predicted = prediction(truth_seen_by(CullingViews::kAll), alignment, report);
+    Surface& predicted = prediction(truth_seen_by(CullingViews::kAll), alignment, report);
+    const std::vector<uint8_t> all(predicted.mesh.triangles.size(), 1);
     SurfaceQualityInput input;
     input.predicted = &predicted.mesh;
     input.truth = &truth().mesh;
     input.predicted_rays = &predicted.rays;
     input.truth_rays = &truth().rays;
-    input.cameras = culling_cameras(input_, CullingViews::kAll, options_.max_cameras);
-    input.training = culling_cameras(input_, CullingViews::kTraining, options_.max_cameras);
+    input.seen = predicted.hits.seen(views(CullingViews::kAll), all);
+    input.training = culling_cameras(CullingViews::kTraining);
     input.structural = input_.structural;
     return measure_surface(input, pool_);
   }
 
+  /// Through all cameras, however many there are.
+  TriangleMesh truth_seen() {
+    const std::vector<uint8_t> all(truth().mesh.triangles.size(), 1);
+    return keep_triangles(truth().mesh, truth().hits.seen(culling_views(input_, CullingViews::kAll, 0), all));
+  }
+
  private:
+  std::vector<size_t> views(CullingViews culling) const { return culling_views(input_, culling, options_.max_cameras); }
+  std::vector<Camera> culling_cameras(CullingViews culling) const {
+    std::vector<Camera> cameras;
+    for (const size_t v : views(culling)) cameras.push_back(input_.truth_cameras[v]);
+    return cameras;
+  }
+
   static MeshProtocolResult named(const char* protocol, CullingViews culling, MeshAlignment alignment) {
     MeshProtocolResult result;
     result.protocol = protocol;
@@ -175,24 +194,32 @@ class Evaluator {
     return result;
   }
 
+  /// Training cameras see no sample that not one of all cameras sees: those samples need no rays again.
+  VisibleSamples visible_part(Surface& surface, VisibilityTest test, CullingViews culling) {
+    const bool strided = options_.max_cameras > 0 && input_.truth_cameras.size() > options_.max_cameras;
+    if (culling == CullingViews::kTraining && !strided && !surface.seen.empty()) test.seen_by_more = &surface.seen;
+    VisibleSamples visible = visible_samples(surface.sampled(options_), surface.rays, test, pool_);
+    if (culling == CullingViews::kAll) surface.seen = std::move(visible.seen);
+    return visible;
+  }
+
   const TruthView& truth_seen_by(CullingViews culling) {
     std::optional<TruthView>& view = culling == CullingViews::kAll ? by_all_ : by_training_;
     if (!view) {
-      view = look_at_truth(truth().mesh, truth().rays, culling_cameras(input_, culling, options_.max_cameras), pool_,
-                           options_);
+      view = look_at_truth(truth().mesh, truth().hits, ray_cameras_, views(culling));
     }
     return *view;
   }
 
   Surface& truth() {
-    if (!truth_) truth_.emplace(*input_.truth);
+    if (!truth_) truth_.emplace(*input_.truth, ray_cameras_, pool_);
     return *truth_;
   }
 
   /// `culled` is what ICP aligns to.
   void align(MeshAlignment alignment, const TriangleMesh& culled) {
     report_ = {};
-    predicted_.emplace(aligned_prediction(input_, alignment, culled, pool_, options_, report_));
+    predicted_.emplace(aligned_prediction(input_, alignment, culled, pool_, options_, report_), ray_cameras_, pool_);
     alignment_ = alignment;
   }
 
@@ -207,6 +234,7 @@ class Evaluator {
   const MeshEvaluationInput& input_;
   const MeshProtocolOptions& options_;
   ThreadPool& pool_;
+  std::vector<Camera> ray_cameras_;  // all true cameras, at the resolution of the rays
   std::optional<Surface> truth_, predicted_;
   MeshAlignment alignment_ = MeshAlignment::kNone;  // of predicted_
   AlignmentReport report_;
@@ -229,13 +257,6 @@ TriangleMesh transformed(const TriangleMesh& mesh, const Similarity& similarity)
   for (Vec3f& v : moved.vertices) v = (similarity * v.cast<double>()).cast<float>();
   for (Vec3f& n : moved.normals) n = (similarity.rotation * n.cast<double>()).cast<float>();
   return moved;
-}
-
-TriangleMesh cull_to_first_hits(const TriangleMesh& mesh, const std::vector<Camera>& cameras, ThreadPool& pool,
-                                const MeshProtocolOptions& options) {
-  const RayScene rays(mesh);
-  return keep_triangles(mesh, first_hit_triangles(rays, std::vector<uint8_t>(mesh.triangles.size(), 1),
-                                                  ray_cameras(cameras, options.ray_columns), pool));
 }
 
 MeshProtocolResult evaluate_neuris_vertices(const MeshEvaluationInput& input, CullingViews culling,
@@ -263,6 +284,7 @@ MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene
   variants.push_back(evaluator.area_samples(CullingViews::kAll, alignment));
   variants.push_back(evaluator.neuris_vertices(CullingViews::kTraining, alignment));
   variants.push_back(evaluator.area_samples(CullingViews::kTraining, alignment));
+  evaluation.truth_seen = evaluator.truth_seen();
   if (metric_scene) variants.push_back(evaluator.neuris_vertices(CullingViews::kAll, MeshAlignment::kCameras));
   if (with_icp) {
     variants.push_back(evaluator.neuris_vertices(CullingViews::kAll, icp));

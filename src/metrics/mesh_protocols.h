@@ -92,17 +92,14 @@ struct MeshEvaluation {
   /// NeuRIS vertices, all poses; aligned on cameras unless the scene is metric: then that is a variant
   MeshProtocolResult headline;
   std::vector<MeshProtocolResult> variants;
-  SurfaceQuality surface;  ///< with the alignment of the headline
+  SurfaceQuality surface;   ///< with the alignment of the headline
+  TriangleMesh truth_seen;  ///< faces of the truth that are the first hit of some pixel ray of all poses
 };
 MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene, bool with_icp, ThreadPool& pool,
                              const MeshProtocolOptions& options = {});
 
 /// The similarity that takes the run's world to the truth's, from the training cameras.
 SimilarityFit align_on_training_cameras(const MeshEvaluationInput& input);
-
-/// The part of a mesh that the cameras see: faces that are the first hit of some pixel ray.
-TriangleMesh cull_to_first_hits(const TriangleMesh& mesh, const std::vector<Camera>& cameras, ThreadPool& pool,
-                                const MeshProtocolOptions& options = {});
 
 TriangleMesh transformed(const TriangleMesh& mesh, const Similarity& similarity);
 

@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr size_t kSurfaceGrain = 512;  // samples per chunk of work
-// of the images through which the prediction is culled, as the mesh protocols have it
-constexpr int kRayColumns = 320;
+constexpr int kRayColumns = 320;       // of the images whose pixels are beside a point
 // metres that a true sample may lie behind its own surface: rounding of single precision
 constexpr double kSeenTolerance = 0.005;
 // metres: rays beside a point that end this far from its tangent plane meet another surface
@@ -70,14 +69,11 @@ class Measurement {
         truth_(*input.truth),
         truth_rays_(*input.truth_rays),
         predicted_rays_(*input.predicted_rays) {
-    for (const Camera& c : input.cameras) cameras_.push_back(at_ray_columns(c));
     for (const Camera& c : input.training) training_.push_back(at_ray_columns(c));
   }
 
   SurfaceQuality run() {
-    const std::vector<uint8_t> all(input_.predicted->triangles.size(), 1);
-    const TriangleMesh seen =
-        keep_triangles(*input_.predicted, first_hit_triangles(predicted_rays_, all, cameras_, pool_));
+    const TriangleMesh seen = keep_triangles(*input_.predicted, input_.seen);
     measure_normals(seen);
     measure_roughness(seen);
     measure_pinholes();
@@ -232,7 +228,7 @@ class Measurement {
   ThreadPool& pool_;
   const TriangleMesh& truth_;
   const RayScene &truth_rays_, &predicted_rays_;
-  std::vector<Camera> cameras_, training_;  // at kRayColumns
+  std::vector<Camera> training_;  // at kRayColumns
   SurfaceQuality result_;
 };
 

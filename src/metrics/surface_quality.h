@@ -55,8 +55,8 @@ struct SurfaceQualityInput {
   const TriangleMesh* truth = nullptr;       ///< metres; its labels, where it has them, name the classes
   const RayScene* predicted_rays = nullptr;  ///< the same meshes, prepared for rays
   const RayScene* truth_rays = nullptr;
-  std::vector<Camera> cameras;      ///< true poses of all views: they say which predicted surface is judged
-  std::vector<Camera> training;     ///< true poses of the training views: their rays look for pinholes
+  std::vector<uint8_t> seen;     ///< per predicted triangle 1 where it is the first hit of a view's ray: it is judged
+  std::vector<Camera> training;  ///< true poses of the training views: their rays look for pinholes
   std::vector<uint8_t> structural;  ///< per class 1 for walls, floor and ceiling; empty: no such figures (NaN)
 };
 

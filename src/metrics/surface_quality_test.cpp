@@ -65,7 +65,9 @@ class SurfaceQualityTest : public testing::Test {
     input.truth = &truth;
     input.predicted_rays = &predicted_rays;
     input.truth_rays = &truth_rays;
-    input.cameras = input.training = {camera_at(-0.1), camera_at(0.1)};
+    input.training = {camera_at(-0.1), camera_at(0.1)};
+    const std::vector<uint8_t> all(predicted.triangles.size(), 1);
+    input.seen = first_hit_triangles(predicted_rays, all, input.training, pool_);
     input.structural = {0, 1};
     return measure_surface(input, pool_);
   }

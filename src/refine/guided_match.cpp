@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kCoarseStep = 2;  // pixels of the first search; corners are some pixels wide
+constexpr int kCoarseStep = 2;  // pixels of the first search (every_second); corners are some pixels wide
 
 /// Top of a parabola through three scores, in steps from the middle one.
 double parabola_top(double left, double middle, double right) {
@@ -25,7 +25,7 @@ class NearScores {
 
   double at(int dx, int dy) {
     const size_t row = static_cast<size_t>(dy - top_);
-    if (!known_[row]) scores_.row(left_, kWidth, 1, dy, rows_[row].data());
+    if (!known_[row]) scores_.row(left_, kWidth, dy, rows_[row].data());
     known_[row] = true;
     return rows_[row][static_cast<size_t>(dx - left_)];
   }
@@ -51,11 +51,10 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
   };
   const ShiftedScores scores(*patch, to.luma);
   std::vector<Place> coarse;
-  std::vector<double> row(static_cast<size_t>(2 * reach / kCoarseStep + 1));
-  coarse.reserve(row.size() * row.size());
+  const std::vector<double> square = scores.every_second(reach);
+  coarse.reserve(square.size());
   for (int dy = -reach; dy <= reach; dy += kCoarseStep) {
-    scores.row(-reach, static_cast<int>(row.size()), kCoarseStep, dy, row.data());
-    for (size_t k = 0; k < row.size(); ++k) coarse.push_back({row[k], static_cast<int>(k) * kCoarseStep - reach, dy});
+    for (int dx = -reach; dx <= reach; dx += kCoarseStep) coarse.push_back({square[coarse.size()], dx, dy});
   }
   Place best =
       *std::max_element(coarse.begin(), coarse.end(), [](const Place& a, const Place& b) { return a.score < b.score; });

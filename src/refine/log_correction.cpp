@@ -4,9 +4,11 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/is_depth.h"
 #include "io/resample.h"
+#include "refine/grid_gradients.h"
 
 namespace aligngs {
 namespace {
@@ -61,10 +63,12 @@ ImageF solve_level(const CorrectionLevel& level, const ImageF& guess, const LogC
   }
   if (count == 0) return out;
 
+  const bool everywhere = static_cast<size_t>(count) == depth.pixels();  // unknown[i] is i then
+  GridMatrix grid(everywhere ? width : 0, everywhere ? height : 0);
   std::vector<double> diagonal(static_cast<size_t>(count), level.none);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count), start(count);
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<size_t>(count) * 3);  // the lower half: itself and two neighbours
+  if (!everywhere) entries.reserve(static_cast<size_t>(count) * 3);  // the lower half: itself and two neighbours
   const auto link = [&](size_t i, size_t j) {
     if (unknown[j] < 0) return;
     const float a = depth.data[i], b = depth.data[j];
@@ -76,7 +80,10 @@ ImageF solve_level(const CorrectionLevel& level, const ImageF& guess, const LogC
     }
     diagonal[static_cast<size_t>(unknown[i])] += w;
     diagonal[static_cast<size_t>(unknown[j])] += w;
-    entries.emplace_back(unknown[j], unknown[i], -w);  // j comes after i
+    if (everywhere)
+      (j == i + 1 ? grid.right : grid.lower)[i] = -w;
+    else
+      entries.emplace_back(unknown[j], unknown[i], -w);  // j comes after i
   };
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -91,6 +98,12 @@ ImageF solve_level(const CorrectionLevel& level, const ImageF& guess, const LogC
       if (x + 1 < width) link(i, i + 1);
       if (y + 1 < height) link(i, i + static_cast<size_t>(width));
     }
+  }
+  if (everywhere) {
+    grid.diagonal = std::move(diagonal);
+    solve_on_grid(grid, right, kSolverIterations, kTolerance, start);
+    for (size_t i = 0; i < depth.pixels(); ++i) out.data[i] = static_cast<float>(start[static_cast<Eigen::Index>(i)]);
+    return out;
   }
   for (int i = 0; i < count; ++i) entries.emplace_back(i, i, diagonal[static_cast<size_t>(i)]);
   Eigen::SparseMatrix<double> matrix(count, count);

@@ -7,6 +7,7 @@
 
 #include "core/target_clones.h"
 #include "core/vector_lanes.h"
+#include "refine/patch_taps.h"
 
 namespace aligngs {
 namespace {
@@ -14,51 +15,20 @@ namespace {
 constexpr double kFlat = 1e-6;  // variance of luma that is none
 
 /// `shift`: from a tap's place to that of the first shift, in pixels of the row-major photo.
-template <int kStep>
-ALIGNGS_ALWAYS_INLINE void add_taps(const ShiftedScores::Tap* taps, size_t count, const float* pixels, ptrdiff_t width,
-                                    ptrdiff_t shift, ShiftedScores::Sums& out) {
-  DoubleLanes dot{}, sum{}, squares{};
-  for (size_t t = 0; t < count; ++t) {
-    const ShiftedScores::Tap& tap = taps[t];
-    const float* const upper = pixels + (tap.row * width + tap.column + shift);
-    const float* const lower = upper + width;
-    FloatLanes left[2], right[2];  // of the upper and the lower row
-    for (int k = 0; k < 2; ++k) {
-      const float* const from = k == 0 ? upper : lower;
-      if constexpr (kStep == 1) {
-        std::memcpy(&left[k], from, sizeof(FloatLanes));
-        std::memcpy(&right[k], from + 1, sizeof(FloatLanes));
-      } else {
-        FloatLanes near, far;
-        std::memcpy(&near, from, sizeof(FloatLanes));
-        std::memcpy(&far, from + kLanes, sizeof(FloatLanes));
-        left[k] = __builtin_shufflevector(near, far, 0, 2, 4, 6, 8, 10, 12, 14);
-        right[k] = __builtin_shufflevector(near, far, 1, 3, 5, 7, 9, 11, 13, 15);
-      }
-    }
-    const FloatLanes top = (1 - tap.right) * left[0] + tap.right * right[0],
-                     bottom = (1 - tap.right) * left[1] + tap.right * right[1];
-    const FloatLanes mixed = (1 - tap.down) * top + tap.down * bottom;
-    const DoubleLanes luma = __builtin_convertvector(mixed, DoubleLanes);
-    dot += static_cast<double>(tap.value) * luma;
-    sum += luma;
-    squares += luma * luma;
-  }
-  std::memcpy(out.dot, &dot, sizeof(dot));
-  std::memcpy(out.sum, &sum, sizeof(sum));
-  std::memcpy(out.squares, &squares, sizeof(squares));
-}
-
 ALIGNGS_TARGET_CLONES
 void add_taps_of_neighbours(const ShiftedScores::Tap* taps, size_t count, const float* pixels, ptrdiff_t width,
                             ptrdiff_t shift, ShiftedScores::Sums& out) {
-  add_taps<1>(taps, count, pixels, width, shift, out);
-}
-
-ALIGNGS_TARGET_CLONES
-void add_taps_of_every_second(const ShiftedScores::Tap* taps, size_t count, const float* pixels, ptrdiff_t width,
-                              ptrdiff_t shift, ShiftedScores::Sums& out) {
-  add_taps<2>(taps, count, pixels, width, shift, out);
+  TapSums sums;
+  for (size_t t = 0; t < count; ++t) {
+    const float* const upper = pixels + (taps[t].row * width + taps[t].column + shift);
+    TapCorners c;
+    std::memcpy(&c.upper_left, upper, sizeof(FloatLanes));
+    std::memcpy(&c.upper_right, upper + 1, sizeof(FloatLanes));
+    std::memcpy(&c.lower_left, upper + width, sizeof(FloatLanes));
+    std::memcpy(&c.lower_right, upper + width + 1, sizeof(FloatLanes));
+    add_tap(taps[t], c, sums);
+  }
+  store(sums, out);
 }
 
 }  // namespace
@@ -134,25 +104,23 @@ double ShiftedScores::at(int dx, int dy) const {
   return score(dot, sum, squares);
 }
 
-void ShiftedScores::row(int first, int count, int step, int dy, double* out) const {
+void ShiftedScores::row(int first, int count, int dy, double* out) const {
   std::fill(out, out + count, kOutside);
   if (first_row_ + dy < 0 || last_row_ + dy > luma_.height - 2) return;
   // The shifts that keep all four pixels under every tap inside of the photo.
-  const int least = -first_column_, most = luma_.width - 2 - last_column_;
-  const int begin = first >= least ? 0 : (least - first + step - 1) / step;
-  const int end = most >= first ? std::min(count, (most - first) / step + 1) : 0;
+  const int begin = std::max(0, -first_column_ - first);
+  const int end = std::min(count, luma_.width - 1 - last_column_ - first);
   const ptrdiff_t width = luma_.width, pixels = static_cast<ptrdiff_t>(luma_.data.size());
   for (int k = begin; k < end; k += kLanes) {
-    const int dx = first + k * step, inside = std::min(kLanes, end - k);
-    // One more row below, and the step's pixels of every shift.
-    const ptrdiff_t past = (last_row_ + dy + 1) * width + last_column_ + dx + step * kLanes + 1;
+    const int dx = first + k, inside = std::min(kLanes, end - k);
+    // One more row below, and the pixels of every shift.
+    const ptrdiff_t past = (last_row_ + dy + 1) * width + last_column_ + dx + kLanes + 1;
     if (past > pixels) {  // at the photo's end
-      for (int i = 0; i < inside; ++i) out[k + i] = at(dx + i * step, dy);
+      for (int i = 0; i < inside; ++i) out[k + i] = at(dx + i, dy);
       continue;
     }
     Sums sums;
-    (step == 1 ? add_taps_of_neighbours : add_taps_of_every_second)(taps_.data(), taps_.size(), luma_.data.data(),
-                                                                    width, dy * width + dx, sums);
+    add_taps_of_neighbours(taps_.data(), taps_.size(), luma_.data.data(), width, dy * width + dx, sums);
     for (int i = 0; i < inside; ++i) out[k + i] = score(sums.dot[i], sums.sum[i], sums.squares[i]);
   }
 }

@@ -41,8 +41,11 @@ class ShiftedScores {
   ShiftedScores(const Patch& patch, const ImageF& luma);
 
   double at(int dx, int dy) const;
-  /// out[k] = at(first + k * step, dy) for 0 <= k < count, faster than one by one and the same bits. `step`: 1 or 2.
-  void row(int first, int count, int step, int dy, double* out) const;
+  /// out[k] = at(first + k, dy) for 0 <= k < count, faster than one by one and the same bits.
+  void row(int first, int count, int dy, double* out) const;
+  /// The same for every second shift of a square: at(-reach + 2 k, -reach + 2 j) of row j and column k. Both have
+  /// reach + 1 places, row by row.
+  std::vector<double> every_second(int reach) const;
 
  private:
   double score(double dot, double sum, double squares) const;

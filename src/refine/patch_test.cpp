@@ -53,14 +53,27 @@ TEST(ShiftedScores, ARowIsWhatSingleShiftsAre) {
   for (const int width : {16, 37}) {
     const ImageF image = noise(width, 12);
     const ShiftedScores scores(patch, image);
-    for (const int step : {1, 2}) {
-      for (int dy = -6; dy <= 12; ++dy) {
-        double row[31];
-        scores.row(-15, 31, step, dy, row);
-        for (int k = 0; k < 31; ++k) {
-          EXPECT_EQ(row[k], scores.at(step * k - 15, dy)) << width << ", " << step << ", " << k << ", " << dy;
-        }
+    for (int dy = -6; dy <= 12; ++dy) {
+      double row[31];
+      scores.row(-15, 31, dy, row);
+      for (int k = 0; k < 31; ++k) EXPECT_EQ(row[k], scores.at(k - 15, dy)) << width << ", " << k << ", " << dy;
+    }
+  }
+}
+
+TEST(ShiftedScores, EverySecondIsWhatSingleShiftsAre) {
+  const Patch patch = small_patch();
+  for (const int width : {8, 16, 37, 70}) {
+    const ImageF image = noise(width, 29);
+    const ShiftedScores scores(patch, image);
+    for (const int reach : {1, 2, 8, 15, 16, 17, 30, 33}) {
+      const std::vector<double> square = scores.every_second(reach);
+      size_t i = 0;
+      for (int dy = -reach; dy <= reach; dy += 2) {
+        for (int dx = -reach; dx <= reach; dx += 2)
+          EXPECT_EQ(square.at(i++), scores.at(dx, dy)) << width << ", " << reach << ", " << dx << ", " << dy;
       }
+      EXPECT_EQ(i, square.size());
     }
   }
 }
@@ -77,6 +90,7 @@ TEST(ShiftedScores, OutsideOfThePhotoThereIsNoScore) {
   EXPECT_EQ(scores.at(0, 8), ShiftedScores::kOutside);
   patch.place[0].x = 1e30;
   EXPECT_EQ(ShiftedScores(patch, image).at(0, 0), ShiftedScores::kOutside);
+  EXPECT_EQ(ShiftedScores(patch, image).every_second(4), std::vector<double>(25, ShiftedScores::kOutside));
 }
 
 TEST(ShiftedScores, AFlatPhotoHasNoScore) {

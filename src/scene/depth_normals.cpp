@@ -100,7 +100,7 @@ void sum_windows(const PaddedDepth& map, size_t centre, const Offset* offsets, s
     // A factor, because GCC 12 takes comparisons of eight doubles apart.
     FloatLanes used = difference <= most ? one : none;
     used = sample > none ? used : none;
-    const DoubleLanes counted = __builtin_convertvector(used, DoubleLanes);
+    const DoubleLanes counted = doubles_of(used);
     const DoubleLanes w = counted * weight;
     const DoubleLanes wu = w * offset.u, wv = w * offset.v;
     sums.w += w;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/target_clones.h"
+
 namespace aligngs {
 
 uint32_t lattice_hash(int32_t x, int32_t y, int32_t z, uint32_t seed) {
@@ -29,6 +31,28 @@ void cubic_weights(double t, double w[4]) {
   w[1] = (3 * t * t * t - 6 * t * t + 4) / 6;
   w[2] = (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6;
   w[3] = t * t * t / 6;
+}
+
+/// Pixels side by side that have the same control points.
+struct SplineColumn {
+  int column;                      ///< of the first control point
+  int first;                       ///< pixel
+  std::vector<double> weights[4];  ///< of the control points, per pixel
+};
+
+/// `control`: the first of four rows of four points, `stride` apart.
+ALIGNGS_TARGET_CLONES
+void evaluate_spline(const double* row_weights, const SplineColumn& spline, const double* control, int stride,
+                     double* values) {
+  const size_t count = spline.weights[0].size();
+  std::fill_n(values, count, 0.0);
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      const double row_weight = row_weights[j], point = control[j * stride + i];
+      const double* const weights = spline.weights[i].data();
+      for (size_t x = 0; x < count; ++x) values[x] += row_weight * weights[x] * point;
+    }
+  }
 }
 }  // namespace
 
@@ -58,23 +82,28 @@ ImageF smooth_random_map(int width, int height, int columns, int rows, double rm
   const int nx = columns + 3, ny = rows + 3;
   std::vector<double> control(static_cast<size_t>(nx) * ny);
   for (double& value : control) value = random.normal();
+  std::vector<SplineColumn> splines;  // the same in every row
+  for (int x = 0; x < width; ++x) {
+    const double u = (x + 0.5) / width * columns;
+    const int column = std::min(static_cast<int>(u), columns - 1);
+    if (splines.empty() || splines.back().column != column) splines.push_back({column, x, {}});
+    double w[4];
+    cubic_weights(u - column, w);
+    for (int i = 0; i < 4; ++i) splines.back().weights[i].push_back(w[i]);
+  }
   ImageF map(width, height, 1);
+  std::vector<double> values(static_cast<size_t>(width));
   double sum = 0;
   for (int y = 0; y < height; ++y) {
     const double v = (y + 0.5) / height * rows;
     const int row = std::min(static_cast<int>(v), rows - 1);
-    double wy[4], wx[4];
+    double wy[4];
     cubic_weights(v - row, wy);
+    for (const SplineColumn& spline : splines)
+      evaluate_spline(wy, spline, &control[static_cast<size_t>(row) * nx + spline.column], nx, &values[spline.first]);
     for (int x = 0; x < width; ++x) {
-      const double u = (x + 0.5) / width * columns;
-      const int column = std::min(static_cast<int>(u), columns - 1);
-      cubic_weights(u - column, wx);
-      double value = 0;
-      for (int j = 0; j < 4; ++j) {
-        for (int i = 0; i < 4; ++i) value += wy[j] * wx[i] * control[static_cast<size_t>(row + j) * nx + column + i];
-      }
-      map.at(x, y) = static_cast<float>(value);
-      sum += value * value;
+      map.at(x, y) = static_cast<float>(values[static_cast<size_t>(x)]);
+      sum += values[static_cast<size_t>(x)] * values[static_cast<size_t>(x)];
     }
   }
   const double current = std::sqrt(sum / std::max<size_t>(1, map.pixels()));

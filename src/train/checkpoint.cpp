@@ -15,6 +15,7 @@
 #include "io/safetensors.h"
 #include "train/checkpoint_packing.h"
 #include "train/checkpoint_planes.h"
+#include "train/checkpoint_scene.h"
 #include "train/checkpoint_tensors.h"
 
 namespace aligngs {
@@ -24,6 +25,8 @@ namespace fs = std::filesystem;
 
 // 1: an empty tensor hid damage in those before it from the checksum
 constexpr const char* kSchema = "aligngs-checkpoint-2";
+// 3: of a finished run, which may leave its geometry to scene.ply; 2 as well where an older program finished it
+constexpr const char* kFinishedSchema = "aligngs-checkpoint-3";
 constexpr const char* kPrefix = "step_";
 constexpr const char* kSuffix = ".safetensors";
 constexpr const char* kTrainable = "trainable";     // "0": without the arrays of the engine
@@ -107,29 +110,42 @@ T metadata_number(const TensorFile& file, const char* name, const fs::path& path
   throw_bad_input(path, name, "the number is missing or malformed");
 }
 
-void put_model(const GaussianModel& model, TensorFile& file) {
+fs::path scene_beside(const fs::path& checkpoints) { return checkpoints.parent_path() / "scene.ply"; }
+
+void put_geometry(const GaussianModel& model, TensorFile& file) {
   const int64_t n = static_cast<int64_t>(model.size());
   file.tensors["model.positions"] = tensor_of(model.positions, {n, 3});
   file.tensors["model.log_scales"] = tensor_of(model.log_scales, {n, 3});
   file.tensors["model.rotations"] = tensor_of(model.rotations, {n, 4});
   file.tensors["model.opacity_logits"] = tensor_of(model.opacity_logits, {n});
   file.tensors["model.sh"] = tensor_of(model.sh, {n, kShCoefficients, 3});
+}
+
+void put_rest_of_model(const GaussianModel& model, TensorFile& file) {
+  const int64_t n = static_cast<int64_t>(model.size());
   file.tensors["model.semantics"] = tensor_of(model.semantics, {n, model.semantic_channels});
   file.metadata["gaussians"] = std::to_string(n);
   file.metadata["sh_degree"] = std::to_string(model.sh_degree);
   file.metadata["semantic_channels"] = std::to_string(model.semantic_channels);
 }
 
-GaussianModel take_model(const TensorFile& file, const fs::path& path) {
+GaussianModel take_geometry(const TensorFile& file, size_t n, const fs::path& path) {
   GaussianModel model;
-  const size_t n = metadata_number<uint64_t>(file, "gaussians", path);
-  model.sh_degree = metadata_number<int>(file, "sh_degree", path);
-  model.semantic_channels = metadata_number<int>(file, "semantic_channels", path);
   model.positions = float_tensor(file, "model.positions", 3 * n, path);
   model.log_scales = float_tensor(file, "model.log_scales", 3 * n, path);
   model.rotations = float_tensor(file, "model.rotations", 4 * n, path);
   model.opacity_logits = float_tensor(file, "model.opacity_logits", n, path);
   model.sh = float_tensor(file, "model.sh", size_t(3) * kShCoefficients * n, path);
+  return model;
+}
+
+GaussianModel take_model(const TensorFile& file, const fs::path& path) {
+  const size_t n = metadata_number<uint64_t>(file, "gaussians", path);
+  GaussianModel model = refers_to_scene(file) ? model_of_scene(scene_beside(path.parent_path()), file, path)
+                                              : take_geometry(file, n, path);
+  if (model.size() != n) throw_bad_input(path, "gaussians", "scene.ply has another number of Gaussians");
+  model.sh_degree = metadata_number<int>(file, "sh_degree", path);
+  model.semantic_channels = metadata_number<int>(file, "semantic_channels", path);
   model.semantics = float_tensor(file, "model.semantics", static_cast<size_t>(model.semantic_channels) * n, path);
   return model;
 }
@@ -227,7 +243,9 @@ void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
 void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint,
                       int64_t keep) {
   TensorFile file;
-  put_model(state.engine.model, file);
+  put_rest_of_model(state.engine.model, file);
+  if (state.trainable || !refer_to_scene(scene_beside(folder), state.engine.model, file))
+    put_geometry(state.engine.model, file);
   if (state.trainable) {
     for (const auto& [name, values] : state.engine.arrays) file.tensors[kEnginePrefix + name] = tensor_of(values);
   } else {
@@ -243,7 +261,7 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
     file.tensors["camera_motions"] = raw_tensor("F64", numbers.data(), numbers.size());
   }
   put_planes(state.planes, file);
-  file.metadata["schema"] = kSchema;
+  file.metadata["schema"] = state.trainable ? kSchema : kFinishedSchema;
   file.metadata["version"] = version();
   file.metadata["fingerprint"] = fingerprint;
   file.metadata["iteration"] = std::to_string(state.iteration);
@@ -271,9 +289,11 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
     const auto it = file.metadata.find(name);
     return it == file.metadata.end() ? std::string() : it->second;
   };
-  if (meta("schema") != kSchema)
-    throw_bad_input(path, "schema", fmt::format("not a checkpoint as this version writes them ({})", kSchema),
+  if (meta("schema") != kSchema && meta("schema") != kFinishedSchema) {
+    throw_bad_input(path, "schema",
+                    fmt::format("not a checkpoint as this version writes them ({}, {})", kSchema, kFinishedSchema),
                     "train again with --overwrite");
+  }
   if (meta("crc32") != sum) throw_bad_input(path, "crc32", "the checksum does not match: the file is damaged");
   if (meta("fingerprint") != fingerprint) {
     throw_bad_input(path, kOtherScene, "the checkpoint belongs to another scene, or the scene has changed since",
@@ -283,6 +303,7 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   TrainingState state;
   state.iteration = metadata_number<int64_t>(file, "iteration", path);
   state.trainable = meta(kTrainable) != "0";
+  state.in_scene_file = refers_to_scene(file);
   state.non_finite_steps = metadata_number<int64_t>(file, "non_finite_steps", path);
   state.start.max_gaussians = metadata_number<uint64_t>(file, "max_gaussians", path);
   state.start.dense = meta("dense_start") == "1";
@@ -316,7 +337,8 @@ std::optional<TrainingState> read_latest_checkpoint(const fs::path& folder, cons
     try {
       return read_checkpoint(path, fingerprint, parts);
     } catch (const Error& error) {
-      if (error.details().field == kOtherScene || error.kind() != ErrorKind::kBadInput) throw;
+      const std::string& field = error.details().field;
+      if (field == kOtherScene || field == kSceneField || error.kind() != ErrorKind::kBadInput) throw;
       log_warning("checkpoint {} cannot be used ({}); taking the one before", path.string(), error.details().message);
     }
   }

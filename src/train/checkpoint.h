@@ -20,9 +20,10 @@ namespace aligngs {
 /// The state of a run between two iterations. Together with config.toml and the scene it determines every
 /// later number, so writing one changes nothing and reading one continues bit for bit.
 struct TrainingState {
-  int64_t iteration = 0;  ///< completed iterations
-  EngineState engine;     ///< parameters, moments, density statistics, running values
-  bool trainable = true;  ///< false: of a finished run, without moments, statistics and running values
+  int64_t iteration = 0;       ///< completed iterations
+  EngineState engine;          ///< parameters, moments, density statistics, running values
+  bool trainable = true;       ///< false: of a finished run, without moments, statistics and running values
+  bool in_scene_file = false;  ///< scene.ply beside the checkpoints has this model already
   ViewOrder::State order;
   std::array<uint64_t, 4> density_random{};  ///< of density control
   std::vector<float> depth_scales;           ///< a_v per training view (prior_alignment.h)
@@ -35,8 +36,9 @@ struct TrainingState {
 };
 
 /// checkpoints/step_<iteration>.safetensors, atomic, with a checksum over its content; older ones beyond
-/// `keep` are removed afterwards. A state that is not trainable is written without EngineState::arrays and with
-/// large tensors compressed: a twentieth of the bytes.
+/// `keep` are removed afterwards. A state that is not trainable is written without EngineState::arrays and with large
+/// tensors compressed. If scene.ply beside `folder` has its model, the checkpoint refers to that file and keeps what the
+/// file lacks: a fiftieth of the bytes. Write scene.ply first, and let nothing change it.
 void write_checkpoint(const std::filesystem::path& folder, const TrainingState& state, const std::string& fingerprint,
                       int64_t keep);
 
@@ -46,12 +48,13 @@ enum class CheckpointParts {
   kWithoutEngineArrays
 };
 
-/// Error{kBadInput} when the file is damaged, in whatever part, or belongs to another scene.
+/// Error{kBadInput} when the file is damaged, in whatever part, or belongs to another scene. The same when the scene.ply
+/// that it refers to is gone or has changed.
 TrainingState read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint,
                               CheckpointParts parts = CheckpointParts::kAll);
 
 /// The newest good checkpoint. A damaged one is reported as a warning and the one before is taken; nothing
-/// when there is none. Error{kBadInput} when a good one belongs to another scene.
+/// when there is none. Error{kBadInput} when a good one belongs to another scene, or to another scene.ply.
 std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint,
                                                     CheckpointParts parts = CheckpointParts::kAll);
 

@@ -7,7 +7,7 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
   using M = MeshConfig;
   return {
       {"checkpoint.every", field<&C::checkpoint, &CheckpointConfig::every>, 1, kIterationsMax, value(500),
-       "iterations between checkpoints; does not change the result"},
+       "iterations between checkpoints; none in the last quarter of that before the end; does not change the result"},
       {"checkpoint.keep", field<&C::checkpoint, &CheckpointConfig::keep>, 1, 1000, value(2),
        "checkpoints kept, newest first"},
       {"checkpoint.keep_finished", field<&C::checkpoint, &CheckpointConfig::keep_finished>, 0, 0, value(false),

@@ -11,7 +11,18 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-using FinishedRun = test_train::RunOnFakeEngine;
+class FinishedRun : public test_train::RunOnFakeEngine {
+ protected:
+  /// As if the run had been killed before it wrote down that it is trained.
+  static void unfinish(const TrainOptions& o) {
+    RunRecord unfinished = record(o);
+    unfinished.trained.clear();
+    write_run_record(RunFolder(o.run).record(), unfinished);
+  }
+  static TrainingState newest_checkpoint(const TrainOptions& o) {
+    return read_checkpoint(list_checkpoints(o.run / "checkpoints").front(), record(o).fingerprint);
+  }
+};
 
 TEST_F(FinishedRun, KeepsOneCheckpointWithoutTheOptimiser) {
   const TrainOptions small = options("small");
@@ -28,7 +39,9 @@ TEST_F(FinishedRun, KeepsOneCheckpointWithoutTheOptimiser) {
   EXPECT_FALSE(lean.trainable);
   EXPECT_TRUE(lean.engine.arrays.empty());
   EXPECT_TRUE(full.trainable);
+  EXPECT_TRUE(lean.in_scene_file);
   EXPECT_EQ(lean.engine.model.positions, full.engine.model.positions);
+  EXPECT_EQ(lean.engine.model.rotations, full.engine.model.rotations);
   EXPECT_EQ(lean.engine.model.semantics, full.engine.model.semantics);
   EXPECT_TRUE(ply(small) == ply(whole)) << "what is kept changes no result";
 }
@@ -38,13 +51,41 @@ TEST_F(FinishedRun, KilledAfterItsLastCheckpointItEndsTheSame) {
   train_run(whole, plain_engine());
   TrainOptions o = options("a");
   train_run(o, plain_engine());
-  for (const char* const name : {"scene.ply", "scene.labels.ply"}) fs::remove(o.run / name);
-  RunRecord unfinished = record(o);
-  unfinished.trained.clear();
-  write_run_record(RunFolder(o.run).record(), unfinished);
+  fs::remove(o.run / "scene.labels.ply");  // which follows the checkpoint
+  unfinish(o);
   o.resume = true;
   EXPECT_FALSE(train_run(o, plain_engine()).already_finished);
   EXPECT_TRUE(ply(o) == ply(whole));
+  EXPECT_TRUE(read_file(o.run / "scene.labels.ply") == read_file(whole.run / "scene.labels.ply"));
+}
+
+TEST_F(FinishedRun, KilledBetweenItsSceneAndItsLastCheckpointItEndsTheSame) {
+  TrainOptions whole = options("whole"), o = options("a");
+  train_run(whole, plain_engine());
+  EXPECT_THROW(train_run(o, engine_killed_at(28)), Killed);
+  fs::copy_file(whole.run / "scene.ply", o.run / "scene.ply");  // the checkpoint is that of an earlier step
+  o.resume = true;
+  EXPECT_EQ(train_run(o, plain_engine()).iterations, 30);
+  EXPECT_TRUE(ply(o) == ply(whole));
+  EXPECT_TRUE(newest_checkpoint(o).in_scene_file);
+}
+
+TEST_F(FinishedRun, ResumedWithoutItsSceneItSaysWhatIsMissingAndKeepsItsCheckpoint) {
+  TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  const std::string scene = ply(o);
+  fs::remove(o.run / "scene.ply");
+  unfinish(o);
+  o.resume = true;
+  try {
+    train_run(o, plain_engine());
+    ADD_FAILURE() << "no error was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("needs its scene.ply, which is gone"));
+  }
+  write_file_atomically(o.run / "scene.ply", scene);
+  EXPECT_EQ(train_run(o, plain_engine()).iterations, 30);
 }
 
 TEST_F(FinishedRun, MoreIterationsNeedTheOptimiserAndNothingIsTouched) {

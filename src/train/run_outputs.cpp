@@ -43,12 +43,17 @@ void write_classes(const std::filesystem::path& path, const GaussianModel& model
 
 }  // namespace
 
-void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
+void write_label_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
                        const GaussianLabels& assigned) {
-  write_gaussian_ply(folder / "scene.ply", model);
   if (assigned.label.empty()) return;
   write_labelled_gaussian_ply(folder / "scene.labels.ply", model, assigned);
   write_classes(folder / "classes.json", model, labels, assigned);
+}
+
+void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
+                       const GaussianLabels& assigned) {
+  write_gaussian_ply(folder / "scene.ply", model);
+  write_label_files(folder, model, labels, assigned);
 }
 
 }  // namespace aligngs

@@ -8,8 +8,12 @@
 
 namespace aligngs {
 
-/// scene.ply, and where `assigned` has labels scene.labels.ply and classes.json (counts and objects of each class),
-/// into `folder`; each atomically.
+/// scene.labels.ply and classes.json (counts and objects of each class) into `folder`, each atomically. Nothing without
+/// labels in `assigned`.
+void write_label_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
+                       const GaussianLabels& assigned);
+
+/// scene.ply, then write_label_files().
 void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
                        const GaussianLabels& assigned);
 

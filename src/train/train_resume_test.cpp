@@ -56,6 +56,19 @@ TEST_F(TrainResume, WritingCheckpointsChangesNothing) {
   EXPECT_TRUE(ply(rare) == ply(often));
 }
 
+TEST_F(TrainResume, ACheckpointShortBeforeTheEndIsLeftToTheLastOne) {
+  const auto at_28 = [this](const char* every) {
+    TrainOptions o = options(every);
+    o.config.sets[0] = std::string("checkpoint.every=") + every;
+    EXPECT_THROW(train_run(o, engine_killed_at(28)), Killed);
+    return list_checkpoints(o.run / "checkpoints");
+  };
+  EXPECT_TRUE(at_28("25").empty()) << "five of 25 steps are left";
+  const std::vector<fs::path> kept = at_28("22");
+  ASSERT_EQ(kept.size(), 1u) << "eight of 22 steps are left";
+  EXPECT_EQ(kept.front().filename(), "step_000022.safetensors");
+}
+
 TEST_F(TrainResume, EventsOfAResumedRunHaveEachStepOnce) {
   TrainOptions o = options("a");
   EXPECT_THROW(train_run(o, engine_killed_at(23)), Killed);

@@ -229,7 +229,8 @@ TrainResult Run::train() {
     const size_t objects = number_objects(model, in_.scene, config_, labels, *pool_).size();
     if (votes_for_objects(in_.scene, config_)) log_info("{} objects by votes of the photos' segments", objects);
   }
-  write_scene_files(folder_.path(), model, in_.scene.labels, labels);
+  if (!state.in_scene_file) write_gaussian_ply(folder_.scene_ply(), model);
+  write_label_files(folder_.path(), model, in_.scene.labels, labels);
   record_.trained = utc_now();
   record_end("done", "all iterations done");
   TrainResult result;

@@ -9,6 +9,7 @@
 #include "core/memory_budget.h"
 #include "core/steady_seconds.h"
 #include "core/stop_signal.h"
+#include "gaussians/gaussian_ply.h"
 #include "train/neighbour_choice.h"
 #include "train/plane_targets.h"
 #include "train/random_purpose.h"
@@ -16,6 +17,8 @@
 namespace aligngs {
 namespace {
 
+constexpr int64_t kSoonOver =
+    4;  // a checkpoint within a quarter of their distance from the end is left to the last one
 constexpr double kAverageKeep = 0.98;  // running mean over about 50 steps: a few epochs of a small scene
 
 Random generator(const TrainConfig& config, RandomPurpose purpose) {
@@ -103,7 +106,8 @@ TrainingState Trainer::run(TrainingState state) {
     if (stop_requested()) stop_here();
     obey();
     iterate(state_.iteration + 1, events);
-    if (state_.iteration % in_.config.checkpoint.every == 0) write_state();
+    const int64_t every = in_.config.checkpoint.every;
+    if (state_.iteration % every == 0 && kSoonOver * (last - state_.iteration) > every) write_state();
     update_progress(report_, progress);
   }
   if (checkpointed_ != state_.iteration) write_state();
@@ -188,10 +192,13 @@ void Trainer::write_state() {
   state_.seconds = seconds_before_ + seconds_since_start();
   // Stages and edits need the scene alone of a finished run.
   state_.trainable = in_.config.checkpoint.keep_finished || state_.iteration < in_.config.train.iterations;
-  if (state_.trainable)
+  state_.in_scene_file = !state_.trainable;
+  if (state_.trainable) {
     engine_.save_state(state_.engine);
-  else
+  } else {
     engine_.store(state_.engine.model);
+    write_gaussian_ply(folder_.scene_ply(), state_.engine.model);  // first: the checkpoint refers to it
+  }
   write_checkpoint(folder_.checkpoints(), state_, in_.fingerprint, state_.trainable ? in_.config.checkpoint.keep : 1);
   state_.engine = {};
   checkpointed_ = state_.iteration;

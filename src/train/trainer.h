@@ -49,8 +49,8 @@ class Trainer {
   /// State before the first step of a new run whose engine holds the start model.
   TrainingState initial_state(const std::vector<float>& depth_scales, const StartFacts& start) const;
   /// Runs from `state` (whose engine part is loaded when it holds a model) to config.train.iterations.
-  /// Writes checkpoints, events and run.json on the way; the last iteration always has a checkpoint. The
-  /// result's engine part is empty: the engine and that checkpoint hold it.
+  /// Writes checkpoints, events and run.json on the way; the last iteration always has a checkpoint, and scene.ply before
+  /// it where that checkpoint refers to it. The result's engine part is empty: the engine and that checkpoint hold it.
   /// Obeys the flags of run_control.h between steps; none of them changes the result.
   /// Error{kInterrupted} after a stop request, with a checkpoint written; Error{kFailed} when non-finite values repeat
   /// or no Gaussian is left, with a valid checkpoint.

@@ -149,9 +149,9 @@ void measure_mesh(LoadedRun& run, const EvalStageOptions& options, RunMetrics& m
   input.truth = &truth;
   input.structural = structural_classes(run.scene().labels);
   metrics.geometry = evaluate_mesh(input, run.scene().metric, options.icp, *run.pool);
+  const TriangleMesh seen = std::move(metrics.geometry->truth_seen);
   if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() &&
       !truth.vertices.empty() && run.has_labels()) {
-    const TriangleMesh seen = cull_to_first_hits(truth, input.truth_cameras, *run.pool);
     const TriangleMesh moved = transformed(predicted, metrics.geometry->headline.alignment_report.similarity);
     metrics.mesh_labels = compare_mesh_labels(moved, seen, run.scene().labels.size(), *run.pool);
   }
