@@ -71,7 +71,9 @@ LevelPlanes find_level_planes(const std::vector<ScenePlane>& planes, const std::
     const bool up = rise >= level && height < lowest, down = rise <= -level && height > highest,
                slope = rise > -level && rise < -upright && height > (lowest + highest) / 2;
     if (!up && !down && !slope) continue;
-    (up ? floors : down ? level_ceilings : slopes)
+    (up     ? floors
+     : down ? level_ceilings
+            : slopes)
         .push_back({i, sides_of(plane, points, s.on * unit, s.beyond * unit)});
   }
   const auto below = [&planes](size_t a, size_t b) { return planes[a].centre.z < planes[b].centre.z; };

@@ -11,10 +11,10 @@ namespace aligngs {
 
 /// Lengths as shares of the height between the lowest and the highest surfaces: the world may have no unit.
 struct LevelPlaneSettings {
-  double level_angle = 8;    ///< degrees from level
+  double level_angle = 8;     ///< degrees from level
   double upright_angle = 12;  ///< degrees from upright from which a plane that faces down may be a sloping ceiling
-  double on = 0.03;          ///< distance of points on a plane
-  double beyond = 0.08;      ///< and from which they are beyond it
+  double on = 0.03;           ///< distance of points on a plane
+  double beyond = 0.08;       ///< and from which they are beyond it
   /// points beyond a plane, as a share of those on it: stairs and yards lie below a floor. Photos of a table show as
   /// much of the floor below it.
   double most_beyond = 0.5;

@@ -43,7 +43,25 @@ void log_plane(const char* what, const ScenePlane& p) {
             p.normal.z, p.offset, p.centre.z, p.points, p.views);
 }
 
+std::vector<StructureWall> walls_of(const std::vector<ScenePlane>& planes, const std::vector<SeenPoint>& points,
+                                    const RoomStructure& room, const RoomStructureSettings& s) {
+  const double upright = std::sin(s.upright_angle * kRadiansPerDegree);
+  std::vector<StructureWall> walls;
+  for (const ScenePlane& plane : planes) {
+    if (!(std::abs(plane.normal.z) <= upright)) continue;
+    StructureWall wall{plane, wall_pieces(plane, points, room.low, room.high, s.walls)};
+    if (!wall.pieces.empty()) walls.push_back(std::move(wall));
+  }
+  return walls;
+}
+
 }  // namespace
+
+bool is_seen_through(const RoomStructure& structure, const SeenPoint& point, const WallPieceSettings& settings) {
+  return std::any_of(structure.walls.begin(), structure.walls.end(), [&](const StructureWall& wall) {
+    return is_seen_through(wall.pieces, wall.plane, point, structure.low, structure.high, settings);
+  });
+}
 
 MeasuredPlaneSettings planes_at_any_angle() {
   MeasuredPlaneSettings settings;
@@ -77,13 +95,13 @@ RoomStructure find_structure(const std::vector<MeasuredView>& views, const Vec3d
   for (const size_t i : level.ceilings) out.ceilings.push_back(planes[i]);
   if (out.floor) log_plane("floor", *out.floor);
   for (const ScenePlane& ceiling : out.ceilings) log_plane("ceiling", ceiling);
-  const double upright = std::sin(s.upright_angle * kRadiansPerDegree);
-  for (const ScenePlane& plane : planes) {
-    if (!(std::abs(plane.normal.z) <= upright)) continue;
-    StructureWall wall{plane, wall_pieces(plane, points, out.low, out.high, s.walls)};
-    log_plane(wall.pieces.empty() ? "no wall" : "wall", plane);
+  out.walls = walls_of(planes, points, out, s);
+  // Glass and its neighbourhood have ghosts of surfaces behind the wall, which are no walls.
+  std::erase_if(points, [&](const SeenPoint& point) { return is_seen_through(out, point, s.walls); });
+  out.walls = walls_of(planes, points, out, s);
+  for (const StructureWall& wall : out.walls) {
+    log_plane("wall", wall.plane);
     for (const WallPiece& piece : wall.pieces) log_debug("  from {:.2f} to {:.2f}", piece.first, piece.last);
-    if (!wall.pieces.empty()) out.walls.push_back(std::move(wall));
   }
   return out;
 }

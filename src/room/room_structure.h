@@ -38,6 +38,9 @@ struct RoomStructure {
   double low = 0, high = 0;  ///< heights of floor and ceiling, or of the lowest and highest surfaces
 };
 
+/// Whether a point of its frame is seen through a wall.
+bool is_seen_through(const RoomStructure& structure, const SeenPoint& point, const WallPieceSettings& settings);
+
 /// `up`: roughly, world. `metres_per_unit`: of the world, where it is known. Empty lists where nothing is found. The
 /// same for any number of threads.
 RoomStructure find_structure(const std::vector<MeasuredView>& views, const Vec3d& up,

@@ -26,7 +26,7 @@ ImageF surface_normals(const MeasuredView& view) {
 }
 
 std::vector<SeenPoint> seen_points(const std::vector<MeasuredView>& views, const Similarity& to_frame, int stride,
-                                         ThreadPool& pool) {
+                                   ThreadPool& pool) {
   std::vector<std::vector<SeenPoint>> per_view(views.size());
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

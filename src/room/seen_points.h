@@ -24,6 +24,6 @@ ImageF surface_normals(const MeasuredView& view);
 /// Every `stride`-th pixel with depth, transformed by `to_frame`; the same for any number of threads. Depth is scaled,
 /// too.
 std::vector<SeenPoint> seen_points(const std::vector<MeasuredView>& views, const Similarity& to_frame, int stride,
-                                         ThreadPool& pool);
+                                   ThreadPool& pool);
 
 }  // namespace aligngs

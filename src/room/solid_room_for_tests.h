@@ -24,9 +24,9 @@ inline SolidBox box(double x0, double z0, double x1, double z1, double from, dou
 /// Floor, ceiling and four walls around 0 <= x <= width, 0 <= z <= depth.
 inline Solids empty_room(double width, double depth) {
   const double t = kThick;
-  return {box(-t, -t, width + t, depth + t, -t, 0),      box(-t, -t, width + t, depth + t, kHigh, kHigh + t),
-          box(-t, -t, 0, depth + t, 0, kHigh),           box(width, -t, width + t, depth + t, 0, kHigh),
-          box(-t, -t, width + t, 0, 0, kHigh),           box(-t, depth, width + t, depth + t, 0, kHigh)};
+  return {box(-t, -t, width + t, depth + t, -t, 0), box(-t, -t, width + t, depth + t, kHigh, kHigh + t),
+          box(-t, -t, 0, depth + t, 0, kHigh),      box(width, -t, width + t, depth + t, 0, kHigh),
+          box(-t, -t, width + t, 0, 0, kHigh),      box(-t, depth, width + t, depth + t, 0, kHigh)};
 }
 
 /// Depth along a ray with z = 1 until the first box from outside; 0 where there is none.

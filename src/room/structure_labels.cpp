@@ -16,15 +16,6 @@ bool is_within(const StructureWall& wall, const Vec3d& p, double margin) {
   return false;
 }
 
-/// How far behind a wall a point is that is seen through it; 0 where it is not.
-double behind_wall(const StructureWall& wall, const SeenPoint& point, const RoomStructure& structure,
-                   const WallPieceSettings& s) {
-  const double before = wall.plane.distance(point.from), behind = -wall.plane.distance(point.to);
-  if (before <= 0 || behind < s.beyond) return 0;
-  const Vec3d p = point.from + (point.to - point.from) * (before / (before + behind));
-  return p.z > structure.low && p.z < structure.high && is_within(wall, p, 0) ? behind : 0;
-}
-
 /// The surface that a point is on: the one whose plane is nearest.
 StructureLabel surface_of(const SeenPoint& point, const RoomStructure& structure, const WallPieceSettings& s) {
   StructureLabel label = StructureLabel::kOther;
@@ -42,12 +33,7 @@ StructureLabel surface_of(const SeenPoint& point, const RoomStructure& structure
 }
 
 StructureLabel label_of(const SeenPoint& point, const RoomStructure& structure, const WallPieceSettings& s) {
-  double behind = 0;
-  for (const StructureWall& wall : structure.walls)
-    behind = std::max(behind, behind_wall(wall, point, structure, s));
-  if (behind >= s.room_beyond) return StructureLabel::kBeyond;
-  const StructureLabel label = surface_of(point, structure, s);
-  return behind > 0 && label == StructureLabel::kOther ? StructureLabel::kBeyond : label;
+  return is_seen_through(structure, point, s) ? StructureLabel::kBeyond : surface_of(point, structure, s);
 }
 
 }  // namespace

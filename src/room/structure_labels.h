@@ -12,8 +12,7 @@ enum class StructureLabel : uint16_t { kWall, kFloor, kCeiling, kOther, kBeyond 
 /// Their names, which room_classes() knows.
 const LabelSet& structure_label_set();
 
-/// A StructureLabel per pixel with depth, kNoLabel for the others. A surface less than `room_beyond`
-/// behind a wall may be another wall.
+/// A StructureLabel per pixel with depth, kNoLabel for the others.
 Image<uint16_t> structure_labels(const MeasuredView& view, const RoomStructure& structure,
                                  const RoomStructureSettings& settings = {});
 

@@ -35,9 +35,10 @@ uint16_t label_towards(const Vec3d& place) {
     ThreadPool pool(2);
     return find_structure(measured(look_around(solids, {{1.2, 1.3}, {2.6, 1.6}})), {0, -1, 0}, 1.0, {}, pool);
   }();
-  const double turn = std::atan2(place.x - 2, place.z - 1.5), dip = std::asin((place.y + 1.5) /
-                      std::sqrt((place.x - 2) * (place.x - 2) + (place.y + 1.5) * (place.y + 1.5) +
-                                (place.z - 1.5) * (place.z - 1.5)));
+  const double turn = std::atan2(place.x - 2, place.z - 1.5),
+               dip = std::asin((place.y + 1.5) /
+                               std::sqrt((place.x - 2) * (place.x - 2) + (place.y + 1.5) * (place.y + 1.5) +
+                                         (place.z - 1.5) * (place.z - 1.5)));
   const MeasuredView view = measured({look(solids, box_room::camera({2, -1.5, 1.5}, turn, dip))})[0];
   return structure_labels(view, structure).at(80, 60);
 }

@@ -82,15 +82,25 @@ TEST(UnlabelledRoom, AWindowAndADoorwayLeaveTheWallsInPlace) {
   solids.erase(solids.begin() + 3);
   solids.pop_back();
   const double t = kThick;
-  solids = with(solids, {box(4, -t, 4 + t, 0.6, 0, kHigh), box(4, 2.2, 4 + t, 3 + t, 0, kHigh),
-                         box(4, 0.6, 4 + t, 2.2, 0, 0.9), box(4, 0.6, 4 + t, 2.2, 2.1, kHigh),
-                         box(-t, 3, 1.5, 3 + t, 0, kHigh), box(2.4, 3, 4 + t, 3 + t, 0, kHigh),
-                         box(1.5, 3, 2.4, 3 + t, 2, kHigh),
-                         // behind
-                         box(8, -9, 8 + t, 12, -1, 6), box(-4, 5, 8, 5 + t, 0, kHigh), box(-4, 3 + t, 8, 5, -t, 0)});
+  solids = with(solids,
+                {box(4, -t, 4 + t, 0.6, 0, kHigh), box(4, 2.2, 4 + t, 3 + t, 0, kHigh), box(4, 0.6, 4 + t, 2.2, 0, 0.9),
+                 box(4, 0.6, 4 + t, 2.2, 2.1, kHigh), box(-t, 3, 1.5, 3 + t, 0, kHigh),
+                 box(2.4, 3, 4 + t, 3 + t, 0, kHigh), box(1.5, 3, 2.4, 3 + t, 2, kHigh),
+                 // behind
+                 box(8, -9, 8 + t, 12, -1, 6), box(-4, 5, 8, 5 + t, 0, kHigh), box(-4, 3 + t, 8, 5, -t, 0)});
   const MeasuredRoom room = unlabelled_room_of(unlabelled(solids));
   EXPECT_EQ(room.walls.size(), 4u);
   EXPECT_NEAR(room.area(), kWide * kDeep, 0.2);
+}
+
+TEST(UnlabelledRoom, AGhostSeenThroughAWindowIsNoWall) {
+  Solids solids = empty_room(kWide, kDeep);
+  solids.erase(solids.begin() + 3);
+  const double t = kThick;
+  solids = with(solids,
+                {box(4, -t, 4 + t, 0.4, 0, kHigh), box(4, 2.6, 4 + t, 3 + t, 0, kHigh), box(4, 0.4, 4 + t, 2.6, 0, 0.8),
+                 box(4, 0.4, 4 + t, 2.6, 2.2, kHigh), box(4.8, -2, 4.8 + t, 5, -1, 5)});
+  EXPECT_NEAR(unlabelled_room_of(unlabelled(solids)).area(), kWide * kDeep, 0.2);
 }
 
 TEST(UnlabelledRoom, AnUpThatIsWrongByFifteenDegreesIsCorrected) {
@@ -120,7 +130,8 @@ TEST(UnlabelledRoom, AWallThatNobodySeesIsAssumed) {
 TEST(UnlabelledRoom, DepthThatIsNotFiniteIsLeftOut) {
   RoomInputs in = unlabelled(empty_room(kWide, kDeep));
   for (PlaneView& view : in.views) {
-    for (size_t i = 0; i < view.depth.data.size(); i += 11) view.depth.data[i] = std::numeric_limits<float>::quiet_NaN();
+    for (size_t i = 0; i < view.depth.data.size(); i += 11)
+      view.depth.data[i] = std::numeric_limits<float>::quiet_NaN();
   }
   EXPECT_NEAR(unlabelled_room_of(in).height, kHigh, 0.03);
 }

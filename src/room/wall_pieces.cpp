@@ -55,20 +55,18 @@ WallGrid grid_of(const ScenePlane& plane, const std::vector<SeenPoint>& points, 
 }
 
 struct WallColumn {
-  int squares = 0;    ///< on the plane
-  int top = -1;       ///< the highest of them
-  bool past = false;  ///< photos look past it
+  int squares = 0;           ///< on the plane
+  int bottom = 0, top = -1;  ///< the lowest and the highest of them
+  bool past = false;         ///< photos look past it
 };
 
 WallColumn column_of(const WallGrid& grid, int column, const WallPieceSettings& s) {
   WallColumn out;
-  int bottom = grid.rows;
   for (int row = 0; row < grid.rows; ++row) {
     const size_t i = grid.index(column, row);
     if (grid.on[i] < s.least_votes || grid.on[i] < grid.near[i] + grid.far[i]) continue;
-    ++out.squares;
+    if (out.squares++ == 0) out.bottom = row;
     out.top = row;
-    bottom = std::min(bottom, row);
   }
   int over = 0, under = 0;
   for (int row = 0; row < grid.rows && out.squares > 0; ++row) {
@@ -76,7 +74,7 @@ WallColumn column_of(const WallGrid& grid, int column, const WallPieceSettings& 
     const int beyond = grid.near[i] + grid.far[i];
     if (beyond < s.least_votes || beyond <= grid.on[i]) continue;
     over += row > out.top;
-    under += row < bottom && grid.near[i] > grid.far[i];
+    under += row < out.bottom && grid.near[i] > grid.far[i];
   }
   out.past = over >= s.least_squares || under >= s.least_squares;
   return out;
@@ -107,6 +105,22 @@ bool is_on(const SeenPoint& point, const ScenePlane& plane, const WallPieceSetti
          dot(plane.normal, point.normal) > std::cos(s.normal_angle * kRadiansPerDegree);
 }
 
+bool is_seen_through(const std::vector<WallPiece>& pieces, const ScenePlane& plane, const SeenPoint& point, double low,
+                     double high, const WallPieceSettings& s) {
+  const double before = plane.distance(point.from), behind = -plane.distance(point.to);
+  if (before <= 0 || !(behind >= s.beyond)) return false;
+  const Vec3d p = point.from + (point.to - point.from) * (before / (before + behind));
+  if (p.z <= low || p.z >= high) return false;
+  const double along = along_plane(plane, p);
+  for (const WallPiece& piece : pieces) {
+    if (along < piece.first || along >= piece.last || piece.columns.empty()) continue;
+    const size_t column = static_cast<size_t>((along - piece.first) / s.cell);
+    const WallSpan& span = piece.columns[std::min(column, piece.columns.size() - 1)];
+    if (behind >= s.room_beyond || (p.z > span.low && p.z < span.high)) return true;
+  }
+  return false;
+}
+
 std::vector<WallPiece> wall_pieces(const ScenePlane& plane, const std::vector<SeenPoint>& points, double low,
                                    double high, const WallPieceSettings& s) {
   const WallGrid grid = grid_of(plane, points, low, high, s);
@@ -119,8 +133,15 @@ std::vector<WallPiece> wall_pieces(const ScenePlane& plane, const std::vector<Se
     for (int c = first; c < grid.columns && (c - last) * s.cell <= s.bridged; ++c) {
       if (columns[static_cast<size_t>(c)].squares > 0) last = c;
     }
-    if (is_wall(columns, first, last, high - low, s))
-      out.push_back({grid.begin + first * s.cell, grid.begin + (last + 1) * s.cell});
+    if (is_wall(columns, first, last, high - low, s)) {
+      WallPiece piece{grid.begin + first * s.cell, grid.begin + (last + 1) * s.cell, {}};
+      for (int c = first; c <= last; ++c) {
+        const WallColumn& column = columns[static_cast<size_t>(c)];
+        const double floor = low + s.margin;
+        piece.columns.push_back({floor + column.bottom * s.cell, floor + (column.top + 1) * s.cell});
+      }
+      out.push_back(std::move(piece));
+    }
     first = last;
   }
   return out;

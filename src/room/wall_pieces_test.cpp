@@ -85,6 +85,23 @@ TEST(WallPieces, ACupboardInLineWithAWallIsJudgedByItself) {
   EXPECT_NEAR(pieces[0].last - pieces[0].first, 2, 0.15);
 }
 
+TEST(WallPieces, ThingsAreSeenThroughAWindowAndADoorwayAlone) {
+  std::vector<SeenPoint> points;
+  add_rays(points, 0, 1, 0, kTop);
+  add_rays(points, 1, 2, 2, kTop);
+  add_rays(points, 2, 3, 0, 1);
+  add_rays(points, 2, 3, 2, kTop);
+  const std::vector<WallPiece> pieces = pieces_of(points);
+  const auto through = [&](double x, double z, double behind) {
+    return is_seen_through(pieces, wall_plane(), {{x, 2, z}, {x, -behind, z}, {0, 1, 0}, 2}, 0, kTop, {});
+  };
+  EXPECT_TRUE(through(2.5, 1.5, 0.5)) << "a window";
+  EXPECT_TRUE(through(1.5, 1, 2)) << "a doorway";
+  EXPECT_FALSE(through(1.5, 1, 0.5)) << "below a cupboard";
+  EXPECT_FALSE(through(2.5, 1.5, 0.02)) << "on the wall";
+  EXPECT_FALSE(through(5, 1.5, 0.5)) << "beside the wall";
+}
+
 TEST(WallPieces, WhatIsLowOrNarrowIsNone) {
   std::vector<SeenPoint> low, narrow;
   add_rays(low, 0, 3, 0, 0.8);
