@@ -31,13 +31,6 @@ void scale_points(std::vector<SeenPoint>& points, double factor) {
   }
 }
 
-/// Pixels between points, so that `across` of them lie along the longer side of the largest photo.
-int stride_for(const std::vector<MeasuredView>& views, int across) {
-  int longest = 0;
-  for (const MeasuredView& view : views) longest = std::max({longest, view.depth.width, view.depth.height});
-  return std::max(1, longest / std::max(1, across));
-}
-
 void log_plane(const char* what, const ScenePlane& p) {
   log_debug("{} n ({:.3f} {:.3f} {:.3f}) d {:.3f} height {:.3f} points {} views {}", what, p.normal.x, p.normal.y,
             p.normal.z, p.offset, p.centre.z, p.points, p.views);
@@ -61,6 +54,12 @@ bool is_seen_through(const RoomStructure& structure, const SeenPoint& point, con
   return std::any_of(structure.walls.begin(), structure.walls.end(), [&](const StructureWall& wall) {
     return is_seen_through(wall.pieces, wall.plane, point, structure.low, structure.high, settings);
   });
+}
+
+int stride_for(const std::vector<MeasuredView>& views, int across) {
+  int longest = 0;
+  for (const MeasuredView& view : views) longest = std::max({longest, view.depth.width, view.depth.height});
+  return std::max(1, longest / std::max(1, across));
 }
 
 MeasuredPlaneSettings planes_at_any_angle() {

@@ -23,6 +23,9 @@ struct RoomStructureSettings {
   double usual_height = 2.5;  ///< metres, of a room in a world without unit
 };
 
+/// Pixels between points, so that `across` of them lie along the longer side of the largest photo.
+int stride_for(const std::vector<MeasuredView>& views, int across);
+
 struct StructureWall {
   ScenePlane plane;
   std::vector<WallPiece> pieces;  ///< not empty

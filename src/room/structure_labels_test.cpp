@@ -33,7 +33,9 @@ uint16_t label_towards(const Vec3d& place) {
   static const Solids solids = holed_room();
   static const RoomStructure structure = [] {
     ThreadPool pool(2);
-    return find_structure(measured(look_around(solids, {{1.2, 1.3}, {2.6, 1.6}})), {0, -1, 0}, 1.0, {}, pool);
+    RoomStructureSettings settings;
+    settings.across = 50;
+    return find_structure(measured(look_around(solids, {{1.2, 1.3}, {2.6, 1.6}})), {0, -1, 0}, 1.0, settings, pool);
   }();
   const double turn = std::atan2(place.x - 2, place.z - 1.5),
                dip = std::asin((place.y + 1.5) /

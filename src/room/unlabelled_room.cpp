@@ -1,5 +1,7 @@
 #include "room/unlabelled_room.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "room/structure_labels.h"
 
@@ -36,6 +38,8 @@ MeasuredRoom find_unlabelled_room(const RoomInputs& inputs, const UnlabelledRoom
     throw_bad_input({}, "walls", "there is no label, and no large upright plane ends what the photos see",
                     "show the walls in more photos, or train a scene that has segmentation_logits/");
   }
+  RoomSettings found = settings.room;
+  found.planes.stride = std::min(found.planes.stride, stride_for(views, settings.structure.across));
   RoomInputs labelled = inputs;
   labelled.labels = &structure_label_set();
   labelled.up = structure.up;
@@ -47,7 +51,7 @@ MeasuredRoom find_unlabelled_room(const RoomInputs& inputs, const UnlabelledRoom
       labelled.views[i].depth = std::move(views[i].depth);
     }
   });
-  MeasuredRoom room = find_room(labelled, settings.room, pool);
+  MeasuredRoom room = find_room(labelled, found, pool);
   room.found_by = RoomEvidence::kGeometry;
   room.warnings.insert(room.warnings.begin(),
                        "The run has no labels. Doors, windows, pictures and furniture are not found without them.");

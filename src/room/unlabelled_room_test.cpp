@@ -26,7 +26,9 @@ RoomInputs unlabelled(const Solids& solids, const std::vector<Vec2d>& places = k
 
 MeasuredRoom unlabelled_room_of(const RoomInputs& in) {
   ThreadPool pool(2);
-  return find_unlabelled_room(in, {}, pool);
+  UnlabelledRoomSettings settings;
+  settings.structure.across = 50;  // of 160 pixels, for speed
+  return find_unlabelled_room(in, settings, pool);
 }
 
 Solids with(Solids solids, const Solids& more) {

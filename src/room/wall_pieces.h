@@ -45,8 +45,8 @@ double along_plane(const ScenePlane& plane, const Vec3d& p);
 /// Whether a point is on a plane.
 bool is_on(const SeenPoint& point, const ScenePlane& plane, const WallPieceSettings& settings);
 
-/// Whether a point is seen through one of the pieces: between places of its column, as through a window, or a room
-/// behind it, as through a doorway.
+/// Whether a point is seen through one of the pieces. Through a window it is between places of its column; through a
+/// doorway it is a room behind it.
 bool is_seen_through(const std::vector<WallPiece>& pieces, const ScenePlane& plane, const SeenPoint& point, double low,
                      double high, const WallPieceSettings& settings);
 
