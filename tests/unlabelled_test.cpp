@@ -47,7 +47,7 @@ TEST_F(Unlabelled, EveryFormatIsExported) {
 }
 
 TEST_F(Unlabelled, OnlyTheLabelsThemselvesAndNamesAreRefused) {
-  for (const char* arguments : {"export RUN -f labels.ply", "edit RUN --select bed --delete", "room RUN"}) {
+  for (const char* arguments : {"export RUN -f labels.ply", "edit RUN --select bed --delete"}) {
     std::string command = arguments;
     command.replace(command.find("RUN"), 3, quoted(trained()));
     const ProcessResult result = aligngs(command);
@@ -57,16 +57,34 @@ TEST_F(Unlabelled, OnlyTheLabelsThemselvesAndNamesAreRefused) {
   EXPECT_FALSE(fs::exists(trained() / "edits.json"));
 }
 
-/// `aligngs room` would be refused, too, so that it is no remedy.
-TEST_F(Unlabelled, PlansAndScaleNameTheMissingSemantics) {
-  for (const std::string arguments : {"export RUN -f plan.svg", "scale RUN --between 0,0,0 1,0,0 2"}) {
-    std::string command = arguments;
-    command.replace(command.find("RUN"), 3, quoted(trained()));
-    const ProcessResult result = aligngs(command);
-    EXPECT_EQ(result.status, 3) << command;
-    EXPECT_THAT(result.err, HasSubstr("trained without semantics")) << command;
-    EXPECT_THAT(result.err, testing::Not(HasSubstr("aligngs room"))) << command;
-  }
+TEST_F(Unlabelled, WallsAreMeasuredAndAPlanIsDrawn) {
+  const fs::path copy = root() / "measured";
+  fs::copy(trained(), copy, fs::copy_options::recursive);
+  const std::string plan = "export " + quoted(copy) + " -f plan.svg";
+  const ProcessResult early = aligngs(plan);
+  EXPECT_EQ(early.status, 3);
+  EXPECT_THAT(early.err, HasSubstr("aligngs room"));
+  const ProcessResult measured = aligngs("room " + quoted(copy) + " --json");
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  const nlohmann::json room = parse_json(measured.out);
+  EXPECT_EQ(room["found_by"], "geometry");
+  EXPECT_TRUE(room["openings"].empty());
+  EXPECT_TRUE(room["objects"].empty());
+  EXPECT_EQ(aligngs(plan).status, 0);
+  EXPECT_TRUE(fs::exists(copy / "plan.svg"));
+  EXPECT_EQ(aligngs("scale " + quoted(copy) + " --object ceiling --height 2.5").status, 0);
+  EXPECT_EQ(aligngs("export " + quoted(copy) + " -f ply").status, 0);
+}
+
+/// Splats at random places are no wall.
+TEST_F(Unlabelled, ARoomWithoutWallsIsRefused) {
+  const fs::path run = root() / "bare";
+  ASSERT_EQ(
+      aligngs("train " + quoted(root() / "scene") + " -o " + quoted(run) + " -n 1 --set init.start=random").status, 0);
+  const ProcessResult result = aligngs("room " + quoted(run));
+  EXPECT_EQ(result.status, 3) << result.out;
+  EXPECT_THAT(result.err, HasSubstr("remedy"));
+  EXPECT_FALSE(fs::exists(run / "room.json"));
 }
 
 TEST_F(Unlabelled, TheWholeRoomIsListedAndEdited) {

@@ -16,11 +16,12 @@ void add_room_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("room", "Measure walls, openings and furniture of a run's room");
   command->group("Measure");
   command->footer(help_footer(
-      {.reads = "a run folder with labels, and its scene",
+      {.reads = "a run folder, and its scene",
        .writes = "RUN/room.json, whose fields docs/room.md lists",
        .example = "aligngs room demo_run",
        .advanced = "aligngs room demo_run --json --scene ../scene",
-       .notes = "Lengths are metres where the scene has a scale. Walls that no photo shows are marked as assumed."}));
+       .notes = "Lengths are metres where the scene has a scale. Walls that no photo shows are marked as assumed. "
+                "Doors, windows and furniture need a run with labels."}));
   struct Options {
     std::string run, scene, device = "auto";
   };

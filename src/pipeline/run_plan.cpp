@@ -212,7 +212,7 @@ void plan_training(const ResolvedRun& resolved, RunPlan& plan) {
   plan.steps.push_back(planned(RunStep::kMesh, "the rendered depth of all views is fused to a mesh"));
   plan.steps.push_back(planned(RunStep::kEvaluate, "figures for metrics.json"));
   plan.steps.push_back(planned(RunStep::kReport, "report.html and overview.jpg"));
-  plan.steps.push_back(planned(RunStep::kRoom, "room.json, if the run has class labels"));
+  plan.steps.push_back(planned(RunStep::kRoom, "room.json; openings and furniture need class labels"));
 }
 
 /// The scene that is trained. A step before training writes RUN/scene.

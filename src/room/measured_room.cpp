@@ -105,6 +105,8 @@ const char* name_of(OpeningKind kind) {
   return "";
 }
 
+const char* name_of(RoomEvidence found_by) { return found_by == RoomEvidence::kLabels ? "labels" : "geometry"; }
+
 const char* name_of(ScaleSource source) {
   switch (source) {
     case ScaleSource::kUnknown:

@@ -19,6 +19,12 @@ enum class ScaleSource {
   kTruth     ///< of a synthetic room
 };
 
+/// How walls, floor and ceiling were told from everything else.
+enum class RoomEvidence {
+  kLabels,   ///< by classes of the photos
+  kGeometry  ///< by their planes alone: nothing is measured behind them
+};
+
 /// One straight piece of the outline. Seen from above the outline runs counter-clockwise, so that the room is on the
 /// left.
 struct MeasuredWall {
@@ -69,6 +75,7 @@ struct CeilingPlane {
 struct MeasuredRoom {
   bool metric = false;  ///< lengths are metres
   ScaleSource scale_source = ScaleSource::kUnknown;
+  RoomEvidence found_by = RoomEvidence::kLabels;
   Similarity to_room;               ///< from the scene's world to this frame
   std::vector<MeasuredWall> walls;  ///< closed: each begins where the one before ends
   std::vector<MeasuredOpening> openings;
@@ -100,7 +107,8 @@ MeasuredRoom rescaled(MeasuredRoom room, double factor);
 /// Area within a closed polygon, positive when counter-clockwise.
 double signed_area(const std::vector<Vec2d>& polygon);
 
-const char* name_of(OpeningKind kind);    ///< "door", "window", "picture", "mirror"
-const char* name_of(ScaleSource source);  ///< "unknown", "network estimate", "sensor", "given", "truth"
+const char* name_of(OpeningKind kind);       ///< "door", "window", "picture", "mirror"
+const char* name_of(ScaleSource source);     ///< "unknown", "network estimate", "sensor", "given", "truth"
+const char* name_of(RoomEvidence found_by);  ///< "labels", "geometry"
 
 }  // namespace aligngs

@@ -33,6 +33,7 @@ std::vector<RoomClass> room_classes(const LabelSet& labels) {
   });
   for (const char* name : {"painting", "poster", "bulletin board"})
     of(name, [](RoomClass& c) { c.opening = OpeningKind::kPicture; });
+  of("beyond a wall", [](RoomClass& c) { c.glass = true; });
   of("mirror", [](RoomClass& c) {
     c.opening = OpeningKind::kMirror;
     c.glass = true;

@@ -94,6 +94,7 @@ Json matrix(const Similarity& s) {
 
 Json document_of(const MeasuredRoom& room) {
   Json out = {{"schema", kRoomSchema}, {"written_by", "aligngs"}, {"units", room.metric ? "metres" : "scene units"}};
+  out["found_by"] = name_of(room.found_by);
   out["scale"] = {{"source", name_of(room.scale_source)}, {"units_per_scene_unit", room.to_room.scale}};
   out["frame"] = {{"up", {0, 0, 1}}, {"world_to_room", matrix(room.to_room)}};
   Json lengths = Json::array(), outline = Json::array(), top = Json::array();
@@ -256,6 +257,9 @@ MeasuredRoom read_room(const std::filesystem::path& file) {
   MeasuredRoom room;
   room.metric = reader.text(json, "units") == "metres";
   room.scale_source = named<ScaleSource>(reader, reader.text(reader.member(json, "scale"), "source"), 5, "source");
+  // Files of earlier versions have no such field, and labels alone found their rooms.
+  if (json.contains("found_by"))
+    room.found_by = named<RoomEvidence>(reader, reader.text(json, "found_by"), 2, "found_by");
   room.to_room = read_matrix(reader, reader.list(reader.member(json, "frame"), "world_to_room", 4));
   const Json &floor = reader.member(json, "floor"), &ceiling = reader.member(json, "ceiling");
   room.floor_assumed = reader.flag(floor, "assumed");

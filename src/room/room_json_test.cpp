@@ -51,6 +51,19 @@ TEST_F(RoomJson, ARoomWithoutUnitKeepsThatAndItsMatrix) {
   EXPECT_NEAR(norm(read.to_room * p - room.to_room * p), 0, 1e-12);
 }
 
+TEST_F(RoomJson, ARoomFoundWithoutLabelsSaysSo) {
+  MeasuredRoom room = sample_room::make();
+  room.found_by = RoomEvidence::kGeometry;
+  write_room(file_, room);
+  EXPECT_EQ(read_room(file_).found_by, RoomEvidence::kGeometry);
+  EXPECT_EQ(parse_json(read_file(file_))["found_by"], "geometry");
+}
+
+TEST_F(RoomJson, AFileOfAnEarlierVersionWasFoundByLabels) {
+  EXPECT_EQ(error_after([](auto& d) { d.erase("found_by"); }), "no error");
+  EXPECT_EQ(read_room(file_).found_by, RoomEvidence::kLabels);
+}
+
 TEST_F(RoomJson, HolesAreDoorsAndWindowsAlone) {
   const nlohmann::json document = parse_json(room_json(sample_room::make()));
   EXPECT_EQ(document["walls"][0]["holes"].size(), 1u);
@@ -71,6 +84,7 @@ TEST_F(RoomJson, ErrorsNameTheField) {
   EXPECT_EQ(error_after([](auto& d) { d["openings"][0]["wall"] = "wall.9"; }), "wall");
   EXPECT_EQ(error_after([](auto& d) { d["objects"][0]["size"] = "large"; }), "size");
   EXPECT_EQ(error_after([](auto& d) { d["scale"]["source"] = "guess"; }), "source");
+  EXPECT_EQ(error_after([](auto& d) { d["found_by"] = "guess"; }), "found_by");
   EXPECT_EQ(error_after([](auto& d) { d["frame"]["world_to_room"][0] = {0, 0, 0, 0}; }), "world_to_room");
 }
 

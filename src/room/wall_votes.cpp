@@ -51,7 +51,7 @@ void vote(WallVotes& votes, const SeenRay& ray, const RoomClass& c, double behin
   const size_t i = votes.index(column, row);
   const bool standing = c.opening && !c.glass;
   if (behind < -(standing ? s.proud : s.on_wall)) return;  // something hides the wall
-  if (c.glass || (standing && behind < s.proud)) {
+  if (c.opening && (c.glass || behind < s.proud)) {
     votes.kinds[static_cast<size_t>(*c.opening)][i] += 1;
     votes.labels[i] = ray.label;
   } else if (behind > s.beyond) {

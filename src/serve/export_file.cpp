@@ -93,13 +93,9 @@ HtmlParts html_parts(const EditSession& session, const RunExportOptions& options
 }  // namespace
 
 void refuse_missing_room(const std::filesystem::path& run) {
-  const RunFolder folder(run);
-  const bool labelled = std::filesystem::exists(folder.labelled_ply()) || !std::filesystem::exists(folder.scene_ply());
   throw_bad_input(run / "room.json", "",
-                  std::string("this run has no description of its room, of which plans and measures are made") +
-                      (labelled ? "" : ", and was trained without semantics, which it needs"),
-                  labelled ? "make it with: aligngs room " + run.string()
-                           : std::string("train a scene that has segmentation_logits/"));
+                  "this run has no description of its room, of which plans and measures are made",
+                  "make it with: aligngs room " + run.string());
 }
 
 std::vector<std::string> formats_of_run(const std::filesystem::path& run) {

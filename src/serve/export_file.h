@@ -16,7 +16,7 @@ const std::vector<std::string>& run_export_formats();
 /// Those that a run can have: plans where it has room.json.
 std::vector<std::string> formats_of_run(const std::filesystem::path& run);
 
-/// Error{kBadInput} always: the run has no room.json. The remedy is `aligngs room`, or labels where the run has none.
+/// Error{kBadInput} always: the run has no room.json. The remedy is `aligngs room`.
 [[noreturn]] void refuse_missing_room(const std::filesystem::path& run);
 
 /// The world of an exported room.

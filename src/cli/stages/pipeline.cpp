@@ -78,10 +78,8 @@ class Products {
 
   void report() { write_report(options_.run); }
 
-  /// room.json where the run has labels. A room that cannot be described is no reason to fail: everything else is
-  /// there.
+  /// room.json. A room that cannot be described is no reason to fail: everything else is there.
   void room() {
-    if (!run_.has_labels()) return;
     try {
       room_run(run_);
     } catch (const Error& error) {

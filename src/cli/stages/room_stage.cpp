@@ -9,8 +9,10 @@
 #include "core/log.h"
 #include "edit/edit_session.h"
 #include "edit/export/object_meshes.h"
+#include "edit/room_up.h"
 #include "edit/row_flags.h"
 #include "room/room_json.h"
+#include "room/unlabelled_room.h"
 #include "serve/export_file.h"
 #include "train/opened_run.h"
 #include "train/rendered_view.h"
@@ -45,7 +47,8 @@ PlaneView look(LoadedRun& run, size_t trained) {
   camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))),
                           std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
   RenderOptions options = run.render_options();
-  options.geometry = options.labels = true;
+  options.geometry = true;
+  options.labels = run.has_labels();
   // The near plane of training, as for the mesh.
   options.raster.near_plane = run.near_planes()[trained];
   return plane_view_of(camera, run.engine->render(camera, options));
@@ -88,11 +91,6 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
 }
 
 MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects) {
-  if (!run.has_labels()) {
-    throw_bad_input(run.folder(), "labels",
-                    "this run was trained without semantics: walls cannot be told from furniture",
-                    "train a scene that has segmentation_logits/");
-  }
   RoomInputs inputs;
   for (size_t i = 0; i < run.scene().train.size(); ++i) inputs.views.push_back(look(run, i));
   inputs.labels = &run.scene().labels;
@@ -100,7 +98,9 @@ MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects) {
   inputs.objects = std::move(objects);
   if (run.scene().metric) inputs.metres_per_unit = 1;
   inputs.scale_source = scale_source_of(run.scene());
-  return find_room(inputs, {}, *run.pool);
+  if (run.has_labels()) return find_room(inputs, {}, *run.pool);
+  inputs.up = up_of_room(run.scene(), {});
+  return find_unlabelled_room(inputs, {}, *run.pool);
 }
 
 MeasuredRoom read_run_room(const std::filesystem::path& run) {
@@ -148,8 +148,9 @@ std::string room_summary(const MeasuredRoom& room) {
   for (const MeasuredWall& wall : room.walls)
     lengths += fmt::format("{}{:.2f}{}", lengths.empty() ? "" : ", ", wall.length(), wall.assumed ? " (assumed)" : "");
   std::string text =
-      fmt::format("ceiling      {:.2f} {}\nfloor area   {:.2f} {}\nperimeter    {:.2f} {}\nwalls        {} {}\n",
-                  room.height, unit, room.area(), square, room.perimeter(), unit, lengths, unit);
+      fmt::format("ceiling      {:.2f} {}{}\nfloor area   {:.2f} {}\nperimeter    {:.2f} {}\nwalls        {} {}\n",
+                  room.height, unit, room.floor_assumed || room.ceiling_assumed ? " (assumed)" : "", room.area(),
+                  square, room.perimeter(), unit, lengths, unit);
   if (room.lowest < room.height) text += fmt::format("lowest       {:.2f} {}\n", room.lowest, unit);
   for (size_t i = 0; i < room.openings.size(); ++i) {
     const MeasuredOpening& o = room.openings[i];

@@ -12,8 +12,8 @@ namespace aligngs {
 /// Surface points of the furniture of a room: vertices of its mesh, or where there is none centres of its Gaussians.
 std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool& pool);
 
-/// Describes the room of a run as its training views show it after training, with `objects` as its furniture.
-/// Error{kBadInput} for a run without labels, and errors as find_room's.
+/// Describes the room of a run as its training views show it after training, with `objects` as its furniture. A run
+/// without labels has walls, floor and ceiling alone. Errors as find_room's and find_unlabelled_room's.
 MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects);
 
 /// RUN/room.json. Error{kBadInput} for a folder that is no run or has no room.json.

@@ -170,7 +170,9 @@ class Plan {
     if (!(std::abs(twice) > 0)) return;
     const Vec2d centre{x / (3 * twice) * kMillimetres, y / (3 * twice) * kMillimetres};
     write(PlanLayer::kText, centre, fmt::format("{:.2f} m²", room_.area()));
-    write(PlanLayer::kText, plus(centre, {0, -1}, 1.8 * paper(s_.text)), fmt::format("height {:.2f} m", room_.height));
+    const char* assumed = room_.floor_assumed || room_.ceiling_assumed ? " (assumed)" : "";
+    write(PlanLayer::kText, plus(centre, {0, -1}, 1.8 * paper(s_.text)),
+          fmt::format("height {:.2f} m{}", room_.height, assumed));
   }
 
   void frame() {

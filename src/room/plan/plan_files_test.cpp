@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -66,6 +67,18 @@ TEST(Plan, AssumedWallsAreDashed) {
   int dashed = 0;
   for (const PlanPath& path : drawing.paths) dashed += path.layer == PlanLayer::kWalls && path.dashed;
   EXPECT_EQ(dashed, 1);
+}
+
+TEST(Plan, AnAssumedHeightIsMarked) {
+  MeasuredRoom room = sample_room::make();
+  const auto marked = [&room] {
+    const PlanDrawing drawing = draw_plan(room);
+    return std::any_of(drawing.texts.begin(), drawing.texts.end(),
+                       [](const PlanText& text) { return text.text.find("(assumed)") != std::string::npos; });
+  };
+  EXPECT_FALSE(marked());
+  room.ceiling_assumed = true;
+  EXPECT_TRUE(marked());
 }
 
 TEST(Plan, EverythingLiesInTheDrawing) {
