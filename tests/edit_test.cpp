@@ -69,6 +69,25 @@ TEST_F(EditCommand, ListsTheObjectsOfTheRoom) {
   EXPECT_THAT(names, testing::IsSupersetOf({"wall#1", "floor#1", "bed#1"}));
 }
 
+TEST_F(EditCommand, ListsTheSizesOfTheObjects) {
+  for (const auto& object : edit_json("--list")["objects"]) {
+    ASSERT_EQ(object["size_m"].size(), 3u) << object["object"];
+    EXPECT_GE(object["size_m"][0].get<double>(), object["size_m"][1].get<double>()) << object["object"];
+  }
+  EXPECT_THAT(edit("--list").out, testing::ContainsRegex("bed#1 +[0-9]+ x [0-9]+ x [0-9]+ cm +[0-9]+ Gaussians"));
+}
+
+TEST_F(EditCommand, NamesWhatTheRoomLacks) {
+  EXPECT_EQ(edit_json("--select 'bed, streetlight' --highlight red")["absent"], nlohmann::json{"streetlight"});
+}
+
+TEST_F(EditCommand, ACopyAddsOneObject) {
+  const auto count = [&] { return edit_json("--list")["objects"].size(); };
+  const size_t before = count();
+  edit_json("--select 'the largest bed' --duplicate");
+  EXPECT_EQ(count(), before + 1) << "no crumbs of what was beside it";
+}
+
 TEST_F(EditCommand, AnEditGoesOnTheStackAndUndoTakesItBack) {
   const std::string before = read_file(run_ / "scene.ply");
   const nlohmann::json report = edit_json("--select bed --delete");
@@ -179,6 +198,16 @@ TEST_F(EditCommand, UndoNeedsNeitherCheckpointsNorScene) {
   EXPECT_FALSE(fs::exists(run_ / "edits"));
 }
 
+TEST_F(EditCommand, TheLabelledSceneIsEnough) {
+  const size_t before = exported("ply").size();
+  fs::remove_all(run_ / "checkpoints");
+  fs::remove(run_ / "scene.ply");
+  EXPECT_EQ(exported("ply").size(), before);
+  const nlohmann::json report = edit_json("--select bed --delete");
+  EXPECT_EQ(exported("ply").size(), report["gaussians_after"].get<size_t>());
+  EXPECT_EQ(edit_json("--undo")["undone"], "delete bed, hole left open");
+}
+
 TEST_F(EditCommand, AnEarlierEditIsTakenBackWithWhatFollowsFromIt) {
   edit_json("--select wall --recolor '#add8e6'");
   edit_json("--select wall --recolor '#ff0000'");
@@ -255,7 +284,7 @@ TEST_F(EditCommand, MistakesAreClearAndChangeNothing) {
     EXPECT_THAT(result.err, HasSubstr("remedy")) << arguments;
   };
   expect("--select bedd --delete", 2, "did you mean \"bed\"");
-  expect("--select car --delete", 3, "no Gaussian");
+  expect("--select car --delete", 3, "no object that is");
   expect("--select bed", 2, "exactly one of");
   expect("--select bed --delete --extract", 2, "exactly one of");
   expect("--delete", 2, "nothing is selected");

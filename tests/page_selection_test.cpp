@@ -77,7 +77,7 @@ TEST_F(PageSelection, TheTextBoxEditsItAndUndoBringsItBack) {
   posted("/api/selections/save", selection("my corner", 100));
   const json report = posted("/api/edits/push", {{"edit", "delete my corner --no-fill"}})["report"];
   EXPECT_EQ(report["selected_gaussians"], 100);
-  EXPECT_THAT(refusal("/api/edits/push", {{"edit", "delete my corner"}}), HasSubstr("no Gaussian"));
+  EXPECT_THAT(refusal("/api/edits/push", {{"edit", "delete my corner"}}), HasSubstr("is left in the room"));
   posted("/api/edits/undo", json::object());
   EXPECT_EQ(posted("/api/edits/redo", json::object())["edits"], json{"delete my corner, hole left open"});
 }

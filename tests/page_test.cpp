@@ -163,7 +163,7 @@ TEST_F(PageRequests, MistakesAreAnsweredInWordsAndChangeNothing) {
     EXPECT_THAT(test_http::body(answer), HasSubstr(words)) << body;
   };
   expect("/api/edits/push", {{"edit", "delete bedd"}}, "bed");
-  expect("/api/edits/push", {{"edit", "delete car"}}, "no Gaussian");
+  expect("/api/edits/push", {{"edit", "delete car"}}, "no object that is");
   expect("/api/edits/push", {{"edit", "explode bed"}}, "is no edit");
   expect("/api/edits/push", {{"edit", 7}}, "no text");
   expect("/api/edits/push", json::object(), "no text");

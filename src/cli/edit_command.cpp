@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/edit_list.h"
 #include "cli/edit_measures.h"
 #include "cli/edit_options.h"
 #include "cli/help_text.h"
@@ -39,6 +40,7 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
     text += "came         " + object_name(*report.replacement, labels) + ": " + std::to_string(report.inserted) +
             " Gaussians" + (report.inserted_triangles ? "" : ", without a mesh") + "\n";
   }
+  for (const std::string& name : report.absent) text += "not there    " + name + ": the room has no such object\n";
   for (const SelectedObject& part : report.parts)
     text += "taken along  " + object_name(part, labels) + ": belongs to the selected objects\n";
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
@@ -49,31 +51,6 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
     text += "left behind  " + names + ": on the selected objects before; --with-contents takes them along\n";
   }
   return text;
-}
-
-void list_run(const CommandContext& context, EditSession& session) {
-  Json edits = Json::array(), objects = Json::array();
-  std::string text = session.stack().empty() ? "no edits\n" : "edits, oldest first:\n";
-  for (const EditOperation& edit : session.stack()) {
-    edits.push_back(describe(edit));
-    text += "  " + describe(edit) + "\n";
-  }
-  text += "objects:\n";
-  for (const Instance& object : session.objects()) {
-    const std::string name =
-        session.room().labels.classes.at(static_cast<size_t>(object.label)).name + "#" + std::to_string(object.number);
-    objects.push_back({{"object", name},
-                       {"gaussians", object.gaussians},
-                       {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
-    text += "  " + name + ": " + std::to_string(object.gaussians) + " Gaussians\n";
-  }
-  const RoomSelections& drawn = session.selections();
-  if (!drawn.list.empty()) text += "selections by hand:\n";
-  for (const NamedSelection& s : drawn.list) {
-    text += "  " + s.name + ": " + std::to_string(s.count()) + " Gaussians" +
-            (drawn.is_usable(s) ? "" : " of another training") + "\n";
-  }
-  print_result(context, Json{{"edits", edits}, {"objects", objects}, {"selections", selections_json(drawn)}}, text);
 }
 
 /// Gives a selection another name, or removes it.

@@ -6,6 +6,7 @@
 #include "core/append.h"
 #include "core/error.h"
 #include "core/kept_rows.h"
+#include "edit/absent_objects.h"
 #include "edit/contents.h"
 #include "edit/crumbs.h"
 #include "edit/export/moved_room.h"
@@ -99,8 +100,11 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
 void move_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
                   const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
   EditableRoom piece = piece_of(room, mask, vertices);
+  claim_neighbours(piece, room);
   ObjectMotion motion = edit.motion;
-  if (edit.kind == EditKind::kDuplicate && motion.is_still()) motion.shift.x = step_aside(room, mask);
+  const bool stays =
+      motion.shift.x == 0 && motion.shift.y == 0 && motion.shift.z == 0;  // a turned copy steps aside, too
+  if (edit.kind == EditKind::kDuplicate && stays) motion.shift.x = step_aside(room, mask);
   const Similarity to = motion_in_world(room, mask, motion);
   if (edit.kind == EditKind::kMove) {
     remove_objects(room, edit, mask, vertices, report, pool);
@@ -128,6 +132,22 @@ std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
   Vec3d sum;
   for (const Camera& camera : cameras) sum += camera.centre();
   return sum * (1.0 / static_cast<double>(cameras.size()));
+}
+
+/// One entry for each object: neighbours of a selection are in it before their whole object is.
+std::vector<SelectedObject> merged(const std::vector<SelectedObject>& objects) {
+  std::vector<SelectedObject> out;
+  for (const SelectedObject& o : objects) {
+    const auto same = std::find_if(out.begin(), out.end(), [&](const SelectedObject& other) {
+      return other.label == o.label && other.instance == o.instance;
+    });
+    if (same == out.end()) {
+      out.push_back(o);
+    } else {
+      same->gaussians = std::max(same->gaussians, o.gaussians);
+    }
+  }
+  return out;
 }
 
 /// Things on the selected objects: selected, too, or named in the report.
@@ -196,7 +216,9 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
     add_contents(room, edit.with_contents, selection, report);
   }
   report.description = describe(edit);
-  report.objects = selection.objects;
+  report.objects = merged(selection.objects);
+  if (edit.threshold.kind == ThresholdRule::Kind::kArgmax)
+    report.absent = absent_names(list_instances(room.gaussians.model, room.gaussians.labels), query, room.labels);
   report.selected = selection.count;
   report.threshold = selection.threshold;
   report.asked_everything = query.everything;

@@ -25,6 +25,13 @@ TEST(ColorNames, AShadeOfANameThatHasNoNameOfItsOwn) {
   EXPECT_EQ(hex("pale terracotta"), "#f5cec6");
 }
 
+TEST(ColorNames, AHueAfterANameSaysNothingNew) {
+  EXPECT_EQ(hex("navy blue"), hex("navy"));
+  EXPECT_EQ(hex("olive green"), hex("olive"));
+  EXPECT_EQ(hex("emerald-green"), hex("emerald"));
+  EXPECT_EQ(hex("red blue"), "") << "two hues";
+}
+
 TEST(ColorNames, OtherWordsAreNoColours) {
   for (const char* text : {"", "dark", "sofa", "greenish", "#00ff00"}) EXPECT_EQ(hex(text), "") << text;
 }
@@ -36,6 +43,18 @@ TEST(ColorNames, AColourIsReadAsHexOrAsAName) {
   EXPECT_THROW(read_color("#12345"), Error);
 }
 
+TEST(ColorNames, ANameThatIsNoneIsAnsweredWithTheNearest) {
+  for (const auto& [text, near] :
+       {std::pair("reddish", "\"red\""), {"bleu", "\"blue\""}, {"turqoise", "\"turquoise\""}}) {
+    try {
+      read_color(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_NE(error.details().remedy.find(near), std::string::npos) << error.details().remedy;
+    }
+  }
+}
+
 TEST(ColorNames, TheLongestNameIsTakenOffTheEnd) {
   const auto rest_of = [](std::string text) {
     EXPECT_TRUE(take_color(text)) << text;
@@ -45,6 +64,8 @@ TEST(ColorNames, TheLongestNameIsTakenOffTheEnd) {
   EXPECT_EQ(rest_of("coffee table to green"), "coffee table");
   EXPECT_EQ(rest_of("chest of drawers in light sky blue"), "chest of drawers");
   EXPECT_EQ(rest_of("sofa#1 #fa0"), "sofa#1");
+  EXPECT_EQ(rest_of("the armchair navy blue"), "the armchair");
+  EXPECT_EQ(rest_of("sand red"), "sand") << "an object is left";
   EXPECT_EQ(rest_of("blue"), "");
 }
 

@@ -150,13 +150,19 @@ std::string color_text(const std::array<uint8_t, 3>& color) {
 }
 
 std::string describe(const EditOperation& edit) {
-  std::string text = edit_kind_name(edit.kind) + " " + edit.select;
+  const Vec3d& s = edit.motion.shift;
+  const bool turns = edit.kind == EditKind::kMove && s.x == 0 && s.y == 0 && s.z == 0 && edit.motion.turn != 0;
+  std::string text = (turns ? "turn" : edit_kind_name(edit.kind)) + " " + edit.select;
   if (edit.kind == EditKind::kRecolor) text += " to " + color_text(edit.color);
   if (edit.kind == EditKind::kHighlight) text += " in " + color_text(edit.color);
   if (edit.threshold.kind != ThresholdRule::Kind::kArgmax)
     text += " (threshold " + threshold_text(edit.threshold) + ")";
   if (edit.with_contents) text += kWithContents;
-  if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) text += motion_text(edit.motion);
+  if (turns) {
+    text += fmt::format(" by {:.9g}", edit.motion.turn);
+  } else if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) {
+    text += motion_text(edit.motion);
+  }
   if (edit.kind == EditKind::kReplace) {
     text += " with " + edit.with;
     if (edit.fit) text += kFitted;

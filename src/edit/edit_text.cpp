@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <regex>
 #include <string>
 #include <utility>
 
@@ -15,7 +16,8 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kLongestEdit = 4096;  // bytes, as a selection
+constexpr size_t kLongestEdit = 4096;   // bytes, as a selection
+constexpr size_t kLongestSpoken = 400;  // bytes: patterns recurse over each letter
 constexpr const char* kExample = "for example \"delete pillow, cushion\" or \"recolor sofa to dark green\"";
 
 constexpr std::pair<std::string_view, EditKind> kVerbs[] = {
@@ -84,9 +86,15 @@ std::optional<bool> take_fill(std::string& text) {
 }
 
 bool take_contents(std::string& text) {
-  for (const std::string_view ending :
-       {kWithContents, std::string_view(" and what is on it"), std::string_view(" with everything on it")}) {
-    if (take_ending(text, ending)) return true;
+  if (take_ending(text, kWithContents)) return true;
+  static const std::regex spoken(
+      R"(^(.*\S) +(?:with|and|including|together with) +)"
+      R"((?:(?:(?:all )?(?:of )?(?:its|their|the) )?contents|(?:everything|all|what(?:ever| is|'s)?|all that is|the things) +on +(?:it|them|top))$)",
+      std::regex::icase);
+  std::smatch match;
+  if (text.size() < kLongestSpoken && std::regex_match(text, match, spoken)) {
+    text = std::string(match[1].str());
+    return true;
   }
   constexpr std::string_view kOption = "--with-contents";
   const size_t at = lower_case(text).find(kOption);
@@ -194,6 +202,8 @@ EditOperation parse_edit(std::string_view given) {
     if (const auto color = take_color(text)) {
       edit.color = *color;
     } else if (edit.kind == EditKind::kRecolor) {
+      if (text.find(' ') == std::string::npos)
+        throw_usage("the edit names no colour, or no object", "for example \"recolor sofa to dark green\"");
       read_color(take_last_word(text));  // says what is wrong with it
     }
   }

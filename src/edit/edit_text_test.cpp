@@ -50,7 +50,8 @@ TEST(EditText, AColourMayBeAName) {
 
 TEST(EditText, WhatStandsOnAThingGoesWithIt) {
   for (const char* text : {"delete chest of drawers with contents", "delete chest of drawers and what is on it",
-                           "delete chest of drawers --with-contents"}) {
+                           "delete chest of drawers with its contents", "delete chest of drawers and everything on it",
+                           "delete chest of drawers including contents", "delete chest of drawers --with-contents"}) {
     const EditOperation edit = parse_edit(text);
     EXPECT_TRUE(edit.with_contents) << text;
     EXPECT_EQ(edit.select, "chest of drawers") << text;
@@ -68,9 +69,8 @@ TEST(EditText, ObjectsAreMovedTurnedAndCopied) {
   EXPECT_TRUE(move.fill) << "what it leaves is filled";
   EXPECT_DOUBLE_EQ(parse_edit("turn sofa by 90").motion.turn, 90);
   EXPECT_TRUE(parse_edit("copy lamp#1").motion.is_still());
-  for (const char* text :
-       {"move desk with contents by 0.5,0,-0.2 and turn by 30", "move desk by 0,0,0 and turn by -90, hole left open",
-        "duplicate chair by 1,0,0", "duplicate chair"}) {
+  for (const char* text : {"move desk with contents by 0.5,0,-0.2 and turn by 30", "turn desk by -90, hole left open",
+                           "duplicate chair by 1,0,0", "duplicate chair"}) {
     EXPECT_EQ(describe(parse_edit(text)), text);
   }
   for (const char* text : {"move sofa", "turn sofa", "move by 1,2,3", "turn sofa by 999"})
@@ -93,6 +93,16 @@ TEST(EditText, AnObjectIsReplaced) {
   for (const char* text :
        {"replace chair", "replace chair with", "replace with a.ply", "replace chair with a.ply, up w"})
     EXPECT_THROW(parse_edit(text), Error) << text;
+}
+
+TEST(EditText, AnExchangeIsAReplacement) {
+  for (const char* text :
+       {"swap armchair with chair.ply", "exchange armchair for chair.ply", "replace armchair by chair.ply"}) {
+    const EditOperation edit = parse_edit(text);
+    EXPECT_EQ(edit.select, "armchair") << text;
+    EXPECT_EQ(edit.with, "chair.ply") << text;
+  }
+  EXPECT_EQ(parse_edit("replace armchair with chair.ply and turn by 90").motion.turn, 90);
 }
 
 TEST(EditText, ARequestMayBeAnUndo) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "edit/absent_objects.h"
 #include "edit/object_choice.h"
 #include "edit/relation/object_relations.h"
 
@@ -16,6 +17,12 @@ namespace {
 struct Related {
   size_t object = 0, anchor = 0;
   double gap = 0;  ///< metres, to the nearest anchor
+};
+
+/// Objects that others are on, near or between.
+struct Anchors {
+  std::vector<size_t> objects;
+  std::vector<size_t> other_side;  ///< of "between"
 };
 
 class MeantObjects {
@@ -55,10 +62,10 @@ class MeantObjects {
     return term;
   }
 
-  std::string all_names() const {
-    std::vector<size_t> all(objects_.size());
-    for (size_t i = 0; i < all.size(); ++i) all[i] = i;
-    return all.empty() ? "nothing that has a name" : objects_.names(all);
+  std::vector<Instance> all_objects() const {
+    std::vector<Instance> all;
+    for (size_t i = 0; i < objects_.size(); ++i) all.push_back(objects_[i]);
+    return all;
   }
 
   /// Objects of the class or group, anywhere.
@@ -74,7 +81,7 @@ class MeantObjects {
       SelectionTerm name = without_place(term);
       name.choice = ObjectChoice::kNone;
       throw_bad_input({}, "--select", "the room has no object that is \"" + words(name) + "\"",
-                      "it holds: " + all_names());
+                      held_instead(all_objects(), {term}, objects_.labels()));
     }
     return found;
   }
@@ -83,9 +90,9 @@ class MeantObjects {
     std::vector<size_t> found = candidates_of(term);
     std::vector<Related> related;
     if (term.relation) {
-      const std::vector<size_t> anchors = anchors_of(*term.relation);
+      const Anchors anchors = anchors_of(*term.relation);
       related = related_of(term, found, anchors);
-      if (term.count != 1) require_one_anchor(term, related, anchors);
+      if (term.count != 1) require_one_anchor(term, related, anchors.objects);
       found.clear();
       for (const Related& r : related) found.push_back(r.object);
     }
@@ -98,26 +105,47 @@ class MeantObjects {
 
   static bool is_distance(Relation relation) {
     return relation != Relation::kOn && relation != Relation::kIn && relation != Relation::kUnder &&
-           relation != Relation::kAbove;
+           relation != Relation::kAbove && relation != Relation::kBetween;
   }
 
-  std::vector<size_t> anchors_of(const RelatedTo& place) const {
+  std::vector<size_t> all_of(const std::vector<SelectionTerm>& terms) const {
     std::set<size_t> found;
-    for (const SelectionTerm& term : place.anchors) {
+    for (const SelectionTerm& term : terms) {
       const std::vector<size_t> some = objects_of(term);
       found.insert(some.begin(), some.end());
     }
     return {found.begin(), found.end()};
   }
 
+  Anchors anchors_of(const RelatedTo& place) const {
+    Anchors anchors{all_of(place.anchors), {}};
+    if (place.relation != Relation::kBetween) return anchors;
+    anchors.other_side = place.other_side.empty() ? anchors.objects : all_of(place.other_side);
+    if (anchors.objects == anchors.other_side && anchors.objects.size() == 1)
+      throw_bad_input({}, "--select", "nothing is between " + objects_.name(anchors.objects[0]) + " and itself",
+                      "name two things");
+    return anchors;
+  }
+
+  /// The gap where an object has the relation to an anchor.
+  std::optional<double> gap_where(size_t object, Relation relation, size_t anchor, const Anchors& anchors) const {
+    if (relation != Relation::kBetween) return relations_.gap_where(object, relation, anchor);
+    std::optional<double> least;
+    for (const size_t other : anchors.other_side) {
+      const std::optional<double> gap = relations_.gap_between(object, anchor, other);
+      if (gap && (!least || *gap < *least)) least = gap;
+    }
+    return least;
+  }
+
   /// The candidates that have the relation to any anchor, each with the nearest one.
   std::vector<Related> related_of(const SelectionTerm& term, const std::vector<size_t>& candidates,
-                                  const std::vector<size_t>& anchors) const {
+                                  const Anchors& anchors) const {
     std::vector<Related> found;
     for (const size_t i : candidates) {
       std::vector<Related> fits;
-      for (const size_t anchor : anchors) {
-        if (const auto gap = relations_.between(i, term.relation->relation, anchor)) fits.push_back({i, anchor, *gap});
+      for (const size_t anchor : anchors.objects) {
+        if (const auto gap = gap_where(i, term.relation->relation, anchor, anchors)) fits.push_back({i, anchor, *gap});
       }
       const auto nearest =
           std::min_element(fits.begin(), fits.end(), [](const Related& a, const Related& b) { return a.gap < b.gap; });
@@ -129,22 +157,22 @@ class MeantObjects {
 
   /// Nothing fits: says where the candidates are, and which other things are there.
   [[noreturn]] void refuse_all(const SelectionTerm& term, const std::vector<size_t>& candidates,
-                               const std::vector<size_t>& anchors) const {
+                               const Anchors& anchors) const {
     std::vector<size_t> others;
     for (size_t i = 0; i < objects_.size(); ++i) {
       const bool is_thing = is_of_group(objects_.labels(), objects_[i].label, ClassGroup::kThings);
       const auto fits = [&](size_t anchor) {
-        return relations_.between(i, term.relation->relation, anchor).has_value();
+        return gap_where(i, term.relation->relation, anchor, anchors).has_value();
       };
       if (is_thing && term.relation->relation != Relation::kNearest &&
-          std::any_of(anchors.begin(), anchors.end(), fits))
+          std::any_of(anchors.objects.begin(), anchors.objects.end(), fits))
         others.push_back(i);
     }
     constexpr size_t kShownPlaces = 4;
     std::string remedy;
     if (!others.empty()) remedy = "it fits: " + objects_.names(others) + ". ";
     for (size_t k = 0; k < candidates.size() && k < kShownPlaces; ++k) {
-      const Related near = nearest_anchor(candidates[k], anchors);
+      const Related near = nearest_anchor(candidates[k], anchors.objects);
       remedy += (k ? ", " : "The room has ") + objects_.name(candidates[k]);
       if (near.object != near.anchor)
         remedy += fmt::format(" ({:.1f} m from {})", near.gap, objects_.name(near.anchor));

@@ -17,8 +17,10 @@ namespace {
 constexpr double kLongestShift = 1000;  // scene units; no room is larger
 constexpr double kFullTurn = 360;       // degrees
 
-std::optional<double> number_of(std::string_view text, double largest) {
-  text = trimmed(text);
+/// A comma counts as a decimal point.
+std::optional<double> number_of(std::string_view given, double largest) {
+  std::string text(trimmed(given));
+  std::replace(text.begin(), text.end(), ',', '.');
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(std::fabs(value) <= largest)) return {};
@@ -53,7 +55,9 @@ constexpr const char* kDirection =
 
 const std::regex& along_axes() {
   static const std::regex pattern(
-      R"(^(.*\S) +by +([-+.0-9e]+ *, *[-+.0-9e]+ *, *[-+.0-9e]+)( +and +turn +by +([-+.0-9e]+))?$)", std::regex::icase);
+      R"(^(.*\S) +by +([-+.0-9e]+ *, *[-+.0-9e]+ *, *[-+.0-9e]+|[-+.,0-9e]+(?: *; *| +)[-+.,0-9e]+(?: *; *| +)[-+.,0-9e]+))"
+      R"(( +and +turn +by +([-+.,0-9e]+))?$)",
+      std::regex::icase);
   return pattern;
 }
 
@@ -79,7 +83,7 @@ const std::regex& a_length_alone() {
 
 const std::regex& by_degrees() {
   static const std::regex pattern(
-      "^(.*?\\S)( +by)? +([-+.0-9]+)( *degrees?| *deg| *\xc2\xb0)?( +(counter-?clockwise|clockwise|(?:to +the "
+      "^(.*?\\S)( +by)? +([-+.,0-9]+)( *degrees?| *deg| *\xc2\xb0)?( +(counter-?clockwise|clockwise|(?:to +the "
       "+)?(?:left|right)))?$",
       std::regex::icase);
   return pattern;
@@ -87,7 +91,6 @@ const std::regex& by_degrees() {
 
 /// Words of `length`, `unit` (may be empty) and `direction` as a shift.
 Vec3d shift_along(std::string length, std::string unit, std::string direction) {
-  std::replace(length.begin(), length.end(), ',', '.');
   if (length.front() == '+') length.erase(0, 1);
   unit = lower_case(unit);
   if (unit.size() > 2 && unit.back() == 's') unit.pop_back();
@@ -103,25 +106,32 @@ Vec3d shift_along(std::string length, std::string unit, std::string direction) {
   return {};
 }
 
+/// Nothing where the text has another number of parts, or a part is no number. "0,5 0 -0,2" has blanks between.
+std::optional<Vec3d> three_numbers(std::string_view text, char separator) {
+  Vec3d out;
+  for (int a = 0; a < 3; ++a) {
+    const size_t end = text.find(separator);
+    if ((end == std::string_view::npos) != (a == 2)) return {};
+    const auto value = number_of(text.substr(0, end), kLongestShift);
+    if (!value) return {};
+    out[a] = *value;
+    if (end != std::string_view::npos) text = trimmed(text.substr(end + 1));
+  }
+  return out;
+}
+
 }  // namespace
 
 Vec3d parse_shift(std::string_view text) {
-  Vec3d shift;
-  std::string_view rest = text;
-  bool good = true;
-  for (int a = 0; a < 3 && good; ++a) {
-    const size_t comma = rest.find(',');
-    good = (comma == std::string_view::npos) == (a == 2);
-    const auto value = number_of(rest.substr(0, comma), kLongestShift);
-    good = good && value.has_value();
-    if (good) shift[a] = *value;
-    if (comma != std::string_view::npos) rest.remove_prefix(comma + 1);
+  std::optional<Vec3d> shift;
+  for (const char separator : {';', ',', ' '}) {
+    if (!shift) shift = three_numbers(trimmed(text), separator);
   }
-  if (!good) {
+  if (!shift) {
     throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no motion",
                 "give three numbers: to the right, upwards, towards the viewer, for example \"0.5,0,-0.2\"");
   }
-  return shift;
+  return *shift;
 }
 
 double parse_turn(std::string_view text) {

@@ -18,6 +18,15 @@ TEST(MotionText, ThreeNumbers) {
   EXPECT_EQ(taken("sofa by 0.5, 0, -0.2 and turn by 90").second, " by 0.5,0,-0.2 and turn by 90");
 }
 
+TEST(MotionText, ACommaMayBeADecimalPoint) {
+  EXPECT_EQ(taken("sofa by 0,5 0 -0,2").second, " by 0.5,0,-0.2");
+  EXPECT_EQ(taken("sofa by 0,5; 0; -0,2 and turn by 22,5").second, " by 0.5,0,-0.2 and turn by 22.5");
+  EXPECT_EQ(parse_shift("0,5;0;-0,2").x, 0.5);
+  EXPECT_EQ(parse_turn("22,5"), 22.5);
+  std::string text = "armchair 22,5 degrees";
+  EXPECT_EQ(take_turn(text), 22.5);
+}
+
 TEST(MotionText, ALengthAndADirection) {
   EXPECT_EQ(taken("chair#2 0.5 m to the left"), std::pair(std::string("chair#2"), std::string(" by -0.5,0,0")));
   EXPECT_EQ(taken("lamp by 0.2 up"), std::pair(std::string("lamp"), std::string(" by 0,0.2,0")));

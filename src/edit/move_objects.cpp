@@ -9,6 +9,9 @@
 #include "core/error.h"
 #include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
+#include "edit/object_rows.h"
+#include "gaussians/gaussian_geometry.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 namespace {
@@ -104,6 +107,28 @@ EditableRoom piece_of(const EditableRoom& room, const std::vector<uint8_t>& sele
   }
   if (!room.mesh.vertices.empty()) piece.mesh = submesh(room.mesh, vertices, 1);
   return piece;
+}
+
+void claim_neighbours(EditableRoom& piece, const EditableRoom& room) {
+  GaussianLabels& labels = piece.gaussians.labels;
+  const std::map<ObjectName, std::vector<uint32_t>> all = rows_of_objects(room.gaussians.labels);
+  std::vector<uint32_t> own, others;
+  for (const auto& [name, rows] : rows_of_objects(labels)) {
+    const bool is_whole = name.second != 0 && 2 * rows.size() >= all.at(name).size();
+    std::vector<uint32_t>& list = is_whole ? own : others;
+    list.insert(list.end(), rows.begin(), rows.end());
+  }
+  if (own.empty()) return;
+  std::vector<Vec3f> points;
+  for (const uint32_t i : own) points.push_back(position_of(piece.gaussians.model, i).cast<float>());
+  const PointTree tree(std::move(points));
+  std::vector<PointTree::Neighbour> near;
+  for (const uint32_t i : others) {
+    tree.nearest(position_of(piece.gaussians.model, i).cast<float>(), 1, near);
+    const uint32_t nearest = own[near.front().index];
+    labels.label[i] = labels.label[nearest];
+    labels.instance[i] = labels.instance[nearest];
+  }
 }
 
 void add_piece(EditableRoom& room, const EditableRoom& piece) {

@@ -21,6 +21,10 @@ double step_aside(const EditableRoom& room, const std::vector<uint8_t>& selected
 EditableRoom piece_of(const EditableRoom& room, const std::vector<uint8_t>& selected,
                       const std::vector<uint8_t>& vertices);
 
+/// Gaussians of other objects that came along, a few of each, become Gaussians of the object that the piece is of. A
+/// piece has an object when at least half of it came. Without one nothing changes.
+void claim_neighbours(EditableRoom& piece, const EditableRoom& room);
+
 /// Adds a piece of the same run. Its Gaussians count as made by an edit (GaussianOrigin::filled).
 void add_piece(EditableRoom& room, const EditableRoom& piece);
 

@@ -47,6 +47,28 @@ TEST_F(MoveObjects, WithoutUpNothingMoves) {
   EXPECT_THROW(motion_in_world(room_, box_, {{0.5, 0, 0}, 0}), Error);
 }
 
+TEST_F(MoveObjects, NeighboursThatComeAlongAreOfTheObject) {
+  std::vector<uint8_t> selected = box_;
+  size_t floor = 0;
+  while (room_.gaussians.labels.label[floor] != small_room::kFloor) ++floor;
+  selected[floor] = 1;
+  EditableRoom piece = piece_of(room_, selected, std::vector<uint8_t>(room_.mesh.vertices.size(), 0));
+  claim_neighbours(piece, room_);
+  for (const uint16_t l : piece.gaussians.labels.label) EXPECT_EQ(l, small_room::kBox);
+}
+
+TEST_F(MoveObjects, PartsOfThingsAloneKeepTheirNames) {
+  std::vector<uint8_t> selected(box_.size(), 0);
+  for (size_t i = 0, left = 5; i < box_.size() && left > 0; ++i) {
+    if (room_.gaussians.labels.label[i] != small_room::kFloor) continue;
+    selected[i] = 1;
+    --left;
+  }
+  EditableRoom piece = piece_of(room_, selected, std::vector<uint8_t>(room_.mesh.vertices.size(), 0));
+  claim_neighbours(piece, room_);
+  for (const uint16_t l : piece.gaussians.labels.label) EXPECT_EQ(l, small_room::kFloor);
+}
+
 TEST_F(MoveObjects, ACopyHasANumberOfItsOwn) {
   std::vector<uint8_t> pillows;
   for (const uint16_t l : room_.gaussians.labels.label) pillows.push_back(l == small_room::kPillow);

@@ -6,6 +6,7 @@
 #include "core/letter_case.h"
 #include "edit/edit_text.h"
 #include "edit/selection_text.h"
+#include "edit/undo_words.h"
 
 namespace aligngs {
 namespace {
@@ -34,6 +35,14 @@ bool is_understood(const std::string& sentence, const Vocabulary& vocabulary) {
   try {
     parse_selection(parse_edit(sentence).select, vocabulary);
     return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+bool is_undo(const std::string& sentence) {
+  try {
+    return parse_undo(sentence).has_value();
   } catch (const Error&) {
     return false;
   }
@@ -86,6 +95,11 @@ std::vector<std::string> nearest_readings(std::string_view given, const Vocabula
   if (text.empty() || text.size() > kLongestSentence || is_understood(text, vocabulary)) return {};
   const size_t blank = std::min(text.find(' '), text.size());
   const std::string first = text.substr(0, blank);
+  constexpr std::string_view kUndo = "undo";
+  if (first != kUndo && edit_distance(first, kUndo) <= kUndo.size() / 2 && !is_known_verb(first)) {
+    const std::string whole = std::string(kUndo) + text.substr(blank);
+    return {is_undo(whole) ? whole : std::string(kUndo)};
+  }
   // A sentence without a verb that is a name asks for an edit of that thing.
   const bool only_object = !is_known_verb(first) && is_understood("delete " + text, vocabulary);
   const std::string object = only_object ? text : text.substr(std::min(blank + 1, text.size()));

@@ -33,6 +33,11 @@ TEST_F(NearestReadings, AMistypedVerbIsReplaced) {
   EXPECT_EQ(readings[0], "delete bed");
 }
 
+TEST_F(NearestReadings, AMistypedUndoIsAnUndo) {
+  EXPECT_THAT(of("undoo"), ElementsAre("undo"));
+  EXPECT_THAT(of("udno the last two edits"), ElementsAre("undo the last two edits"));
+}
+
 TEST_F(NearestReadings, NumbersAndOtherNamesStay) {
   EXPECT_EQ(of("delete lampp#2")[0], "delete lamp#2");
   EXPECT_EQ(of("delete bed, lampp")[0], "delete bed, lamp");

@@ -22,6 +22,10 @@ constexpr const char* kWithPieces[] = {"bed", "sofa", "stool", "table", "coffee 
 const std::vector<std::vector<const char*>> kAlike = {{"lamp", "light", "sconce", "chandelier"},
                                                       {"chair", "armchair", "swivel chair"}};
 
+/// Furniture that bedding divides, and the bedding.
+constexpr const char* kBridged[] = {"bed", "sofa"};
+constexpr const char* kBridges[] = {"blanket", "pillow", "cushion"};
+
 struct Piece {
   uint16_t label = kNoLabel, instance = 0;  ///< those of the object that it is a part of
   std::vector<uint32_t> rows;
@@ -89,6 +93,14 @@ class PieceSearch {
                          gap(piece.rows, tree, kHalf) < settings_.thick * room_.extent;
     return in_column || touches ? std::optional<double>(gap_here) : std::nullopt;
   }
+  /// Whether one of the bridges touches both.
+  bool is_bridged(const PointTree& piece, const PointTree& object,
+                  const std::vector<std::vector<uint32_t>>& bridges) const {
+    const double most = settings_.bridge * room_.extent;
+    return std::any_of(bridges.begin(), bridges.end(), [&](const std::vector<uint32_t>& bridge) {
+      return gap(bridge, piece, settings_.nearest) < most && gap(bridge, object, settings_.nearest) < most;
+    });
+  }
   PointTree tree_of(const std::vector<uint32_t>& rows) const {
     std::vector<Vec3f> points;
     for (const uint32_t i : rows) points.push_back(position_of(room_.model, i).cast<float>());
@@ -132,15 +144,31 @@ std::map<uint16_t, std::vector<Piece>> pieces_of(const LabelledGaussians& room, 
   return out;
 }
 
+template <class Names>
+bool is_named(const LabelSet& labels, uint16_t label, const Names& names) {
+  return std::any_of(std::begin(names), std::end(names), [&](const char* name) { return labels.find(name) == label; });
+}
+
+/// Rows of the objects that lie on others.
+std::vector<std::vector<uint32_t>> bridges_of(const LabelledGaussians& room, const LabelSet& labels) {
+  std::vector<std::vector<uint32_t>> out;
+  for (auto& [name, rows] : rows_of_objects(room.labels)) {
+    if (name.second && is_named(labels, name.first, kBridges)) out.push_back(std::move(rows));
+  }
+  return out;
+}
+
 }  // namespace
 
 size_t join_object_pieces(LabelledGaussians& room, const LabelSet& labels, const std::optional<Vec3d>& up,
                           const ObjectPieceSettings& settings) {
   if (!up || !room.has_labels()) return 0;
   const PieceSearch search(room, *up, settings);
+  const std::vector<std::vector<uint32_t>> bridges = bridges_of(room, labels);
   size_t joined = 0;
   for (auto& [kind, pieces] : pieces_of(room, kinds_with_pieces(labels))) {
     std::vector<PointTree> trees;
+    const bool may_be_bridged = is_named(labels, kind, kBridged);
     for (size_t k = 0; k < pieces.size(); ++k) {
       Piece& piece = pieces[k];
       trees.push_back(search.tree_of(piece.rows));
@@ -148,8 +176,9 @@ size_t join_object_pieces(LabelledGaussians& room, const LabelSet& labels, const
       double least = std::numeric_limits<double>::infinity();
       for (size_t o = 0; o < k; ++o) {
         const std::optional<double> distance = search.distance(piece, pieces[o], trees[o]);
-        if (!distance || *distance >= least) continue;
-        least = *distance;
+        const bool bridged = may_be_bridged && !distance && search.is_bridged(trees[k], trees[o], bridges);
+        if (!(distance || bridged) || distance.value_or(0) >= least) continue;
+        least = distance.value_or(0);
         best = &pieces[o];
       }
       if (!best) continue;

@@ -18,12 +18,14 @@ struct ObjectPieceSettings {
   double outside = 0.017;  ///< the object's outline seen from above is widened by this (5 cm)
   double touch = 0.02;     ///< kinds of lamps or chairs this near to each other are one thing (6 cm)
   double thick = 0.06;     ///< where half of the smaller one is this near to the larger one, too (18 cm)
+  double bridge = 0.02;    ///< a blanket or pillow that is this near to two pieces of a bed joins them (6 cm)
   double strays = 0.02;    ///< share of the object's Gaussians on either side that its outline leaves out
 };
 
 /// An object that is smaller than another one of its class, and is right above, below or within it, becomes a part of
 /// it. Only lamps and some furniture have such pieces: books, pictures and cabinets of equal class lie above each other,
-/// too. Kinds of lamps count as one class, and so do kinds of chairs. Two kinds that touch are two names for one thing. Numbers of other
+/// too. Kinds of lamps count as one class, and so do kinds of chairs. Two kinds that touch are two names for one thing. Pieces of a bed or a
+/// sofa also join where a blanket, pillow or cushion lies on both: it hides what is between them. Numbers of other
 /// objects do not change. Without an up direction nothing happens. Returns how many objects have joined.
 size_t join_object_pieces(LabelledGaussians& room, const LabelSet& labels, const std::optional<Vec3d>& up,
                           const ObjectPieceSettings& settings = {});

@@ -7,7 +7,8 @@
 namespace aligngs {
 namespace {
 
-constexpr int kChair = 19, kLamp = 36, kBook = 67, kSwivelChair = 75, kSconce = 134;  // ADE20K classes
+constexpr int kBedClass = 7, kChair = 19, kLamp = 36, kBook = 67, kSwivelChair = 75, kBlanket = 131,
+              kSconce = 134;  // ADE20K classes
 
 class ObjectPieces : public small_room::LabelledBoxes {
  protected:
@@ -29,6 +30,22 @@ TEST_F(ObjectPieces, TheFootOfASwivelChairIsOfTheChair) {
   add({-0.2f, -0.2f, -0.2f}, {0.2f, 0, 0.2f}, kSwivelChair, 2);  // 20 cm below the seat
   EXPECT_EQ(join(), 1u);
   EXPECT_THAT(objects(), ElementsAre(Pair(kSwivelChair, 1)));
+}
+
+TEST_F(ObjectPieces, ABlanketDividesNoBed) {
+  add({-0.8f, -0.4f, 0}, {0.8f, 0, 0.8f}, kBedClass, 1);
+  add({-0.8f, -0.4f, 1.3f}, {0.8f, 0, 2.0f}, kBedClass, 2);  // more than a piece of the other one
+  add({-0.85f, -0.42f, 0.78f}, {0.85f, 0, 1.32f}, kBlanket, 1);
+  EXPECT_EQ(join(), 1u);
+  EXPECT_THAT(objects(), ElementsAre(Pair(kBedClass, 1), Pair(kBlanket, 1)));
+}
+
+TEST_F(ObjectPieces, TwoBedsWithBlanketsOfTheirOwnStay) {
+  add({-1.4f, -0.4f, 0}, {-0.5f, 0, 1.8f}, kBedClass, 1);
+  add({0.5f, -0.4f, 0}, {1.4f, 0, 1.8f}, kBedClass, 2);
+  add({-1.4f, -0.44f, 0}, {-0.5f, -0.4f, 0.6f}, kBlanket, 1);
+  add({0.5f, -0.44f, 0}, {1.4f, -0.4f, 0.6f}, kBlanket, 2);
+  EXPECT_EQ(join(), 0u);
 }
 
 TEST_F(ObjectPieces, AChairBesideAnotherOneStays) {

@@ -24,6 +24,7 @@ nlohmann::json report_json(const EditReport& report, const LabelSet& labels) {
   for (const SelectedObject& object : report.parts) parts.push_back(object_name(object, labels));
   return {{"edit", report.description},
           {"left_behind", contents},
+          {"absent", report.absent},
           {"parts", parts},
           {"replacement",
            report.replacement ? nlohmann::json(object_name(*report.replacement, labels)) : nlohmann::json(nullptr)},

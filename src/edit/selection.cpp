@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "edit/absent_objects.h"
 #include "edit/crumbs.h"
 #include "gaussians/object_labels.h"
 #include "gaussians/point_tree.h"
@@ -246,9 +247,13 @@ GaussianSelection select_gaussians(const LabelledGaussians& room, const Selectio
     ++counts[{label == kNoLabel ? -1 : label, label == kNoLabel ? 0 : room.labels.instance[i]}];
   }
   for (const auto& [key, gaussians] : counts) selection.objects.push_back({key.first, key.second, gaussians});
+  if (selection.count == 0 && !query.include.empty() && !has_class(query.include)) {
+    throw_bad_input({}, "--select", "nothing of \"" + selection_text(query, labels) + "\" is left in the room",
+                    "undo the edit that took it away, or select something else");
+  }
   if (selection.count == 0) {
-    throw_bad_input({}, "--select", "the room has no Gaussian that is \"" + selection_text(query, labels) + "\"",
-                    "it holds: " + objects_text(list_instances(room.model, room.labels), labels));
+    throw_bad_input({}, "--select", "the room has no object that is \"" + selection_text(query, labels) + "\"",
+                    held_instead(list_instances(room.model, room.labels), query.include, labels));
   }
   return selection;
 }

@@ -54,18 +54,25 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
                  std::vector<SelectionTerm>& terms) {
   SelectionTerm term;
   const std::string_view whole = item;
-  if (!vocabulary.find(item)) {
+  if (const std::string_view rest = without_a(item); rest != trimmed(item) && !vocabulary.is_plural(rest)) {
+    item = rest;
+    term.count = 1;  // "a lamp" is none of two, and a number or a size tells which
+  }
+  const bool is_a = term.count == 1;
+  if (!is_a && !vocabulary.find(item)) {
     take_meant_count(item, vocabulary, term);
     item = without_quantifier(item);
   }
   if (!vocabulary.find(item)) term.choice = take_place(item);
   if (!vocabulary.find(item) && term.choice == ObjectChoice::kNone) term.choice = take_choice(item);
+  if (is_a && term.choice != ObjectChoice::kNone) term.count = 0;
   if (term.count > 0 && term.choice != ObjectChoice::kNone)
     throw_usage("\"" + choice_word(term.choice) + "\" means one object", "leave out the number, or the word for it");
   if (!vocabulary.find(item)) {
     if (const auto group = find_group(item); group && (has_place || !group->needs_place)) {
       term.label = -1;
       term.group = group->group;
+      if (is_a) term.count = 0;
       if (group->one && term.choice == ObjectChoice::kNone) term.count = 1;
       terms.push_back(term);
       return;
@@ -73,6 +80,7 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
   }
   const int ordinal = vocabulary.find(item) || term.choice != ObjectChoice::kNone ? 0 : take_ordinal(item);
   if (ordinal > 0) {
+    term.count = 0;
     term.label = vocabulary.resolve(item);
     term.instance = ordinal;
     terms.push_back(term);
@@ -100,6 +108,7 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
     terms.push_back(term);
     return;
   }
+  if (is_a) term.count = 0;
   const auto [first, last] = object_numbers(numbers);
   if (first == 0 || last - first >= kMostNumbers || term.choice != ObjectChoice::kNone) refuse_number(whole);
   for (term.instance = first; term.instance <= last; ++term.instance) terms.push_back(term);
@@ -107,23 +116,44 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
 
 void parse_related(std::string_view item, const Vocabulary& vocabulary, int depth, std::vector<SelectionTerm>& terms);
 
+/// Reads the things that another one is on or near, and returns whether any of them will do: "the beds".
+bool parse_anchor(std::string_view anchor, Relation relation, const Vocabulary& vocabulary, int depth,
+                  std::vector<SelectionTerm>& anchors) {
+  bool any = false;
+  parse_related(anchor, vocabulary, depth + 1, anchors);
+  for (SelectionTerm& term : anchors) {
+    if (!term.named.empty())
+      throw_usage("a selection by hand has no place that others are " + std::string(relation_word(relation)),
+                  "name an object by its class");
+    any |= term.group != ClassGroup::kNone || term.count > 1;
+    if (!term.relation && term.count == 1) term.count = 0;  // any bed that a pillow is on
+  }
+  const auto inner = related_item(anchor, vocabulary);
+  const std::string_view name = inner ? inner->target : anchor;
+  return any || begins_with_quantifier(name) || vocabulary.is_plural(name) || anchors.size() > 1;
+}
+
 /// The place of a term, from its words: "on the largest bed".
 std::shared_ptr<const RelatedTo> place_of(std::string_view place, const Vocabulary& vocabulary, int depth) {
   const auto found = find_relation(place, true);
   RelatedTo related;
   related.relation = found->relation;
-  std::string_view anchor = trimmed(place.substr(found->length));
-  parse_related(anchor, vocabulary, depth + 1, related.anchors);
-  for (SelectionTerm& term : related.anchors) {
-    if (!term.named.empty())
-      throw_usage("a selection by hand has no place that others are " + std::string(relation_word(related.relation)),
-                  "name an object by its class");
-    related.any_anchor |= term.group != ClassGroup::kNone || term.count > 1;
-    if (!term.relation && term.count == 1) term.count = 0;  // any bed that a pillow is on
+  std::string_view anchor = trimmed(place.substr(found->length)), other;
+  if (related.relation == Relation::kBetween && !vocabulary.find(anchor)) {
+    if (const auto [at, length] = find_conjunction(anchor, 1); at != std::string_view::npos) {
+      other = trimmed(anchor.substr(at + length));
+      anchor = trimmed(anchor.substr(0, at));
+    }
   }
-  const auto inner = related_item(anchor, vocabulary);
-  std::string_view name = inner ? inner->target : anchor;
-  related.any_anchor |= begins_with_quantifier(name) || vocabulary.is_plural(name) || related.anchors.size() > 1;
+  related.any_anchor = parse_anchor(anchor, related.relation, vocabulary, depth, related.anchors);
+  if (related.relation != Relation::kBetween) return std::make_shared<const RelatedTo>(std::move(related));
+  if (!other.empty()) {
+    parse_anchor(other, related.relation, vocabulary, depth, related.other_side);
+  } else if (!related.any_anchor) {
+    throw_usage("\"between " + std::string(anchor) + "\" names one thing",
+                "say two, such as \"between the bed and the window\" or \"between the beds\"");
+  }
+  related.any_anchor = true;
   return std::make_shared<const RelatedTo>(std::move(related));
 }
 

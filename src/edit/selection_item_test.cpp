@@ -48,6 +48,14 @@ TEST(SelectionItem, CountsAreKept) {
   EXPECT_EQ(understood("both the bed and the lamp"), "bed, lamp");
 }
 
+TEST(SelectionItem, AThingIsOne) {
+  EXPECT_EQ(parse_selection("a lamp", ade20k_words()).include[0].count, 1);
+  EXPECT_EQ(parse_selection("one lamp", ade20k_words()).include[0].count, 1);
+  EXPECT_EQ(parse_selection("lamp", ade20k_words()).include[0].count, 0) << "all of the class";
+  EXPECT_EQ(understood("a large lamp"), "largest lamp");
+  EXPECT_EQ(understood("a lamp on the table"), "lamp on table");
+}
+
 TEST(SelectionItem, WordsOfOneRelation) {
   for (const char* text : {"lamp next to the sofa", "lamp beside the sofa", "lamp by the sofa", "lamp at the sofa"})
     EXPECT_EQ(understood(text), "lamp next to sofa") << text;
@@ -57,6 +65,25 @@ TEST(SelectionItem, WordsOfOneRelation) {
   EXPECT_EQ(understood("chair on the right side of the bed"), "chair right of bed");
   EXPECT_EQ(understood("rug underneath the table"), "rug under table");
   EXPECT_EQ(understood("the chair closest to the door"), "chair nearest to door");
+}
+
+TEST(SelectionItem, BetweenHasTwoSides) {
+  EXPECT_EQ(understood("the chair between the table and the window"), "chair between table and windowpane");
+  EXPECT_EQ(understood("lamps in between the bed and the wardrobe"), "all lamp between bed and wardrobe");
+  EXPECT_EQ(understood("the chest between the two beds"), "chest of drawers between 2 x bed");
+  EXPECT_EQ(understood("the lamp on the table between the bed and the wall"), "lamp on table between bed and wall");
+  EXPECT_EQ(understood("the chair between the bed and the lamp on the desk"), "chair between bed and lamp on desk");
+}
+
+TEST(SelectionItem, AndAfterBothSidesBeginsAnotherItem) {
+  EXPECT_EQ(understood("the chair between the table and the window and the lamp"),
+            "chair between table and windowpane, lamp");
+  EXPECT_EQ(understood("the bed and the chair between the table and the window"),
+            "bed, chair between table and windowpane");
+}
+
+TEST(SelectionItem, BetweenOneThingIsNoPlace) {
+  EXPECT_THAT(usage_error("the chair between the table"), HasSubstr("between the bed and the window"));
 }
 
 TEST(SelectionItem, SidesAreNoPlaces) {

@@ -36,7 +36,9 @@ struct SelectionTerm {
 struct RelatedTo {
   Relation relation = Relation::kOn;
   std::vector<SelectionTerm> anchors;  ///< "the bed", "bed#1-2": objects of one class or group
-  bool any_anchor = false;             ///< "on the beds": not all of them are on one bed
+  /// "the window" of "between the bed and the window"; empty of "between the beds"
+  std::vector<SelectionTerm> other_side{};
+  bool any_anchor = false;  ///< "on the beds": not all of them are on one bed
 };
 
 }  // namespace aligngs

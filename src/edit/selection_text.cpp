@@ -31,19 +31,28 @@ bool is_everything(std::string_view item) {
               ", " + other + "\" or \"" + target + " " + place + ", " + target + " " + relation + " " + other + "\"");
 }
 
+/// "\"bed\"" and "'bed'" are bed: shells of other systems leave quotes in.
+std::string_view without_quotes(std::string_view item) {
+  item = trimmed(item);
+  const bool quoted = item.size() > 2 && (item.front() == '"' || item.front() == '\'') && item.back() == item.front();
+  return quoted ? trimmed(item.substr(1, item.size() - 2)) : item;
+}
+
 /// One item between commas; "a and b" is two unless a class is called so. "And" may also follow a comma.
 void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
                 bool* everything) {
   std::optional<RelatedItem> before;  // of an item that tells a place, and has a conjunction after it
   while (true) {
-    item = trimmed(item);
+    item = vocabulary.find_selection(item) ? trimmed(item) : without_quotes(item);
     if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
     if (const auto [at, length] = find_conjunction(item); at == 0 && !terms.empty() && !vocabulary.find(item)) {
       item = trimmed(item.substr(length));
       if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
     }
-    const auto [conjunction, length] =
+    auto [conjunction, length] =
         vocabulary.find(item) ? std::pair(std::string_view::npos, size_t(0)) : find_conjunction(item, 1);
+    const bool has_two_sides = conjunction != std::string_view::npos && wants_other_side(item.substr(0, conjunction));
+    if (has_two_sides) std::tie(conjunction, length) = find_conjunction(item, conjunction + length);
     const std::string_view first = trimmed(item.substr(0, conjunction));
     std::string whole(first);
     if (before && find_relation(first, true)) whole = std::string(before->target) + " " + whole;  // "and on the sofa"
@@ -54,7 +63,11 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
     } else {
       parse_item_terms(whole, vocabulary, terms);
     }
-    if (related && whole == first) before = related;
+    if (has_two_sides) {
+      before.reset();  // "and" after both sides begins another item
+    } else if (related && whole == first) {
+      before = related;
+    }
     if (conjunction == std::string_view::npos) return;
     item.remove_prefix(conjunction + length);
   }
@@ -65,9 +78,18 @@ void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector
   while (true) {
     const size_t comma = text.find_first_of(",;");
     parse_item(text.substr(0, comma), vocabulary, terms, everything);
-    if (comma == std::string_view::npos) return;
+    if (comma == std::string_view::npos || trimmed(text.substr(comma + 1)).empty()) return;  // "bed, lamp,"
     text.remove_prefix(comma + 1);
   }
+}
+
+/// "Every lamp but the left one" with the name of what stays. One class is included then, and the words are no names.
+std::string spelled_out(std::string_view excluded, const SelectionQuery& query, const Vocabulary& vocabulary) {
+  const bool one_class = !query.everything && !query.include.empty() && query.include.front().label >= 0 &&
+                         query.include.front().label == query.include.back().label;
+  if (!one_class || vocabulary.find(excluded)) return std::string(excluded);
+  const LabelSet& labels = vocabulary.labels();
+  return with_name(excluded, labels.classes.at(static_cast<size_t>(query.include.front().label)).name);
 }
 
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
@@ -82,6 +104,8 @@ std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
   text += " " + std::string(relation_word(term.relation->relation)) + " ";
   for (const SelectionTerm& anchor : term.relation->anchors)
     text += (&anchor == term.relation->anchors.data() ? "" : ", ") + term_text(anchor, labels);
+  for (const SelectionTerm& other : term.relation->other_side)
+    text += (&other == term.relation->other_side.data() ? " and " : ", ") + term_text(other, labels);
   return text;
 }
 
@@ -125,7 +149,10 @@ SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabula
   if (excludes && !included.empty() && included.back() == ',') included.remove_suffix(1);  // "all lamps, except lamp#2"
   SelectionQuery query;
   parse_list(included, vocabulary, query.include, &query.everything);
-  if (excludes) parse_list(trimmed(text.substr(exception + length)), vocabulary, query.exclude, nullptr);
+  if (excludes) {
+    const std::string_view excluded = trimmed(text.substr(exception + length));
+    parse_list(spelled_out(excluded, query, vocabulary), vocabulary, query.exclude, nullptr);
+  }
   sort_terms(query.include);
   sort_terms(query.exclude);
   if (query.everything) query.include.clear();

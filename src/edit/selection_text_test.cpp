@@ -100,6 +100,26 @@ TEST(SelectionText, TheCanonicalTextReadsBack) {
   }
 }
 
+TEST(SelectionText, ExceptionsNeedNoName) {
+  const Vocabulary vocabulary(ade20k_labels());
+  const auto text_of = [&](const char* text) {
+    return selection_text(parse_selection(text, vocabulary), ade20k_labels());
+  };
+  EXPECT_EQ(text_of("every lamp but the left one"), "lamp but left lamp");
+  EXPECT_EQ(text_of("all pillows except the largest"), "pillow but largest pillow");
+  EXPECT_EQ(text_of("all chairs but the ones on the rug"), text_of("all chairs but the chairs on the rug"));
+}
+
+TEST(SelectionText, QuotesAndACommaAtTheEndSayNothing) {
+  const Vocabulary vocabulary(ade20k_labels());
+  const auto text_of = [&](const char* text) {
+    return selection_text(parse_selection(text, vocabulary), ade20k_labels());
+  };
+  EXPECT_EQ(text_of("\"bed\""), "bed");
+  EXPECT_EQ(text_of("'bed', 'lamp'"), text_of("bed, lamp"));
+  EXPECT_EQ(text_of("bed, lamp,"), text_of("bed, lamp"));
+}
+
 TEST(SelectionText, MistakesAreUsageErrorsThatHelp) {
   EXPECT_THAT(refusal("pilow"), HasSubstr("did you mean \"pillow\""));
   EXPECT_THAT(refusal(""), HasSubstr("nothing is selected"));

@@ -136,6 +136,27 @@ std::pair<size_t, size_t> find_exception(std::string_view text) {
   return {at, length};
 }
 
+std::string_view without_a(std::string_view item) {
+  item = trimmed(item);
+  for (const std::string_view article : {"a", "an", "one"}) {
+    if (take_phrase(item, article)) break;
+  }
+  return item;
+}
+
+std::string with_name(std::string_view items, const std::string& name) {
+  std::string text(trimmed(items));
+  constexpr std::string_view kOnes = "the ones", kOne = "one";
+  if (const size_t at = find_word(text, kOnes); at != std::string::npos) text.replace(at, kOnes.size(), "all " + name);
+  // "One lamp" at the begin is a count.
+  for (size_t at = find_word(text, kOne, 1); at != std::string::npos; at = find_word(text, kOne, at + name.size()))
+    text.replace(at, kOne.size(), name);
+  const std::string longer = text + " " + name;
+  std::string_view rest = text, object = longer;
+  const bool is_choice_alone = take_choice(rest) == ObjectChoice::kNone && take_choice(object) != ObjectChoice::kNone;
+  return is_choice_alone && object == name ? longer : text;
+}
+
 std::string_view without_quantifier(std::string_view item) {
   item = trimmed(item);
   for (const std::string_view quantifier : kQuantifiers) {

@@ -39,6 +39,12 @@ std::pair<size_t, size_t> find_conjunction(std::string_view text, size_t from = 
 /// Likewise the first of "but", "except", "apart from", "other than", ..., with a "not" after it.
 std::pair<size_t, size_t> find_exception(std::string_view text);
 
+/// An item without "a", "an" or "one" before it.
+std::string_view without_a(std::string_view item);
+
+/// "The left one", "the ones on the rug" and "the largest" with a name in place of "one", or after the choice.
+std::string with_name(std::string_view items, const std::string& name);
+
 /// `item` without a quantifier at its begin: "all the beds", "my bed" and "every bed" are "beds" and "bed". A quantifier
 /// alone stays.
 std::string_view without_quantifier(std::string_view item);

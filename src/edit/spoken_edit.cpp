@@ -25,15 +25,17 @@ const std::vector<Phrase>& phrases() {
       {any_case("make +(\\S.*\\S) +(?:disappear|vanish|go away)"), "delete $1"},
       {any_case("(?:show|keep|leave) +(?:only|just) +(\\S.*)"), "keep $1"},
       {any_case("only +(?:show|keep|leave) +(\\S.*)"), "keep $1"},
-      {any_case("change +(?:the +)?colou?r +of +(\\S.*\\S) +(?:in)?to +(\\S.*)"), "recolor $1 to $2"},
+      {any_case("(?:swap|exchange|substitute) +(\\S.*?\\S) +(?:for|with|by) +(\\S.*)"), "replace $1 with $2"},
+      {any_case("replace +((?:(?! with ).)*?\\S) +by +(\\S.*)"), "replace $1 with $2"},
+      {any_case("(?:change|set) +(?:the +)?colou?r +of +(\\S.*\\S) +(?:in)?to +(\\S.*)"), "recolor $1 to $2"},
       {any_case("(?:put|shift|slide|pull) +(\\S.*)"), "move $1"},
       {any_case("(turn|rotate) +(\\S.*\\S) +(?:around|round)"), "$1 $2 by 180"}};
   return all;
 }
 
-/// "Make X dark green" and "turn X red" for "recolor X dark green".
+/// "Make X dark green" and "change X to red" for "recolor X dark green".
 std::string with_color_verb(const std::string& text) {
-  static const std::regex pattern("^(?:make|turn|dye) +(\\S.*)$", std::regex::icase);
+  static const std::regex pattern("^(?:make|turn|dye|change|tint) +(\\S.*)$", std::regex::icase);
   std::smatch match;
   if (!std::regex_match(text, match, pattern)) return text;
   std::string object = match[1].str();

@@ -35,6 +35,7 @@ TEST(SpokenEdit, AColorAtTheEndRecolors) {
   EXPECT_EQ(describe(parse_edit("make the wall light blue")), "recolor the wall to #add8e6");
   EXPECT_EQ(describe(parse_edit("turn the bed red")), "recolor the bed to #ff0000");
   EXPECT_EQ(describe(parse_edit("change the colour of the bed to red")), "recolor the bed to #ff0000");
+  EXPECT_EQ(describe(parse_edit("change the bed to red")), "recolor the bed to #ff0000");
 }
 
 TEST(SpokenEdit, OtherTurnsTurn) {

@@ -31,6 +31,12 @@ std::vector<std::string> singular_forms(const std::string& phrase) {
     forms.push_back(phrase);
     return forms;  // "glass" is no plural
   }
+  constexpr const char* kIrregular[][2] = {
+      {"men", "man"}, {"children", "child"}, {"people", "person"}, {"feet", "foot"}, {"mice", "mouse"}};
+  for (const auto& [many, one] : kIrregular) {
+    const size_t letters = std::string_view(many).size();
+    if (head == many || ends_with(head, many)) cut(letters, one);
+  }
   if (ends_with(head, "ies")) cut(3, "y");
   if (ends_with(head, "ves")) {
     cut(3, "f");
@@ -40,6 +46,12 @@ std::vector<std::string> singular_forms(const std::string& phrase) {
   if (ends_with(head, "ses") || ends_with(head, "xes") || ends_with(head, "hes") || ends_with(head, "oes")) cut(2, "");
   forms.push_back(phrase);
   return forms;
+}
+
+/// "barstool" for "bar stool".
+std::string without_blanks(std::string name) {
+  name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
+  return name;
 }
 
 }  // namespace
@@ -69,6 +81,7 @@ void Vocabulary::add(const std::string& word, int label) {
   const std::string folded = folded_name(word);
   if (folded.empty()) return;
   exact_.emplace(folded, label);
+  joined_.emplace(without_blanks(folded), label);
   for (const std::string& form : singular_forms(folded)) singular_.emplace(form, label);
 }
 
@@ -93,8 +106,9 @@ bool Vocabulary::is_plural(std::string_view word) const {
   const std::string folded = without_article(folded_name(word));
   if (exact_.count(folded)) return false;
   const std::vector<std::string> forms = singular_forms(folded);
-  return std::any_of(forms.begin(), forms.end(),
-                     [&](const std::string& form) { return form != folded && exact_.count(form) > 0; });
+  return std::any_of(forms.begin(), forms.end(), [&](const std::string& form) {
+    return form != folded && (exact_.count(form) > 0 || joined_.count(without_blanks(form)) > 0);
+  });
 }
 
 std::optional<int> Vocabulary::find(std::string_view word) const {
@@ -106,6 +120,9 @@ std::optional<int> Vocabulary::find(std::string_view word) const {
   }
   for (const std::string& form : singular_forms(folded)) {  // "chest of drawer" for "chest of drawers"
     if (const auto it = singular_.find(form); it != singular_.end()) return it->second;
+  }
+  for (const std::string& form : singular_forms(folded)) {
+    if (const auto it = joined_.find(without_blanks(form)); it != joined_.end()) return it->second;
   }
   return std::nullopt;
 }

@@ -17,7 +17,7 @@ std::string folded_name(std::string_view text);
 /// A folded name without "the", "a" or "an" before it.
 std::string without_article(std::string folded);
 
-/// Names, synonyms and everyday words of one label set. Case, plural and '-' or '_' do not matter. A typing error is
+/// Names, synonyms and everyday words of one label set. Case, plural, blanks, '-' and '_' do not matter. A typing error is
 /// answered with suggestions, never guessed. An edit of the wrong object is worse than a second try.
 class Vocabulary {
  public:
@@ -47,6 +47,7 @@ class Vocabulary {
   LabelSet labels_;
   std::map<std::string, int> exact_;               ///< folded names and synonyms
   std::map<std::string, int> singular_;            ///< their singular forms
+  std::map<std::string, int> joined_;              ///< folded names and synonyms without their blanks
   std::set<int> preferred_;                        ///< classes
   std::map<std::string, std::string> selections_;  ///< names by their folded form
 };

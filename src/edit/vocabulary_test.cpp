@@ -37,7 +37,16 @@ TEST(Vocabulary, CasePluralAndHyphensDoNotMatter) {
   EXPECT_EQ(name_of("boxes"), "box");
   EXPECT_EQ(name_of("glasses"), "glass");
   EXPECT_EQ(name_of("couches"), "sofa");
+  EXPECT_EQ(name_of("children"), "person");
+  EXPECT_EQ(name_of("women"), "person");
   EXPECT_EQ(name_of("stair"), "step") << "an exact word goes before the singular of another";
+}
+
+TEST(Vocabulary, BlanksWithinANameDoNotMatter) {
+  EXPECT_EQ(name_of("barstools"), "stool");
+  EXPECT_EQ(name_of("lamp shade"), "lamp");
+  EXPECT_EQ(name_of("arm chair"), "armchair");
+  EXPECT_EQ(name_of("trashcan"), "ashcan");
 }
 
 TEST(Vocabulary, ATypingErrorIsAnsweredWithSuggestions) {

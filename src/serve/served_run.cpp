@@ -142,7 +142,7 @@ Json scene_classes(const fs::path& scene) {
 /// is none.
 Json why_not_editable(const fs::path& root, RunDescriptions& descriptions, const fs::path& scene, bool active) {
   if (active) return "the run is still being made";
-  if (!has_file(root, "scene.ply")) {
+  if (!has_file(root, "scene.ply") && !has_file(root, "scene.labels.ply")) {
     return has_folder(root, "checkpoints")
                ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
                : "nothing has been trained yet";

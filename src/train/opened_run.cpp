@@ -56,7 +56,7 @@ Camera OpenedRun::working_camera(int view) const { return aligngs::working_camer
 
 bool OpenedRun::has_finished_room() const {
   const RunFolder paths(folder);
-  if (!fs::exists(paths.scene_ply())) return false;
+  if (!fs::exists(paths.scene_ply()) && !fs::exists(paths.labelled_ply())) return false;
   return !record.trained.empty() || list_checkpoints(paths.checkpoints()).empty();
 }
 

@@ -22,7 +22,7 @@ struct OpenedRun {
 
   /// Camera of a view at the resolution at which the run worked.
   Camera working_camera(int view) const;
-  /// scene.ply is what the training came to; false where it was stopped and can go on.
+  /// scene.ply or scene.labels.ply is what the training came to; false where it was stopped and can go on.
   bool has_finished_room() const;
 };
 

@@ -2,7 +2,7 @@
 import { fetchEdits, fileUrl, kExported, post, type EditList, type EditReport, type RunState } from './api';
 import { element } from './dom';
 import { askHtmlExport } from './export_dialog';
-import { type Messages } from './messages';
+import { type MessageAction, type Messages } from './messages';
 
 
 export class EditPanel {
@@ -59,7 +59,22 @@ export class EditPanel {
     await this.work(`${edit} ...`, async () => {
       const answer = await post<EditList>('/api/edits/push', { edit });
       element<HTMLInputElement>('edit-text').value = '';
-      return { answer, told: answer.report ? summary(answer.report) : `undone: ${answer.undone}` };
+      if (!answer.report) return { answer, told: `undone: ${answer.undone}` };
+      return { answer, told: summary(answer.report), action: this.askForContents(answer.report) };
+    });
+  }
+  /// Asks whether what was left behind goes along: the edit is made again with it.
+  private askForContents(report: EditReport): MessageAction | undefined {
+    if (report.left_behind.length === 0 || report.edit.startsWith('replace ')) return undefined; // that names a source of the server
+    return { label: 'take along', run: () => void this.takeAlong(report.edit) };
+  }
+  private async takeAlong(edit: string): Promise<void> {
+    await this.work(`${edit}, with contents ...`, async () => {
+      if (this.list.edits[this.list.edits.length - 1] !== edit) throw new Error('Another edit was made since. Say "with contents" in a new one.');
+      await post<EditList>('/api/edits/undo', {});
+      this.asked = ''; // the list is asked for again if the next request fails
+      const answer = await post<EditList>('/api/edits/push', { edit: edit.replace(/^\S+/, '$& --with-contents') });
+      return { answer, told: summary(answer.report!) };
     });
   }
   async undo(): Promise<void> {
@@ -104,14 +119,14 @@ export class EditPanel {
     });
   }
 
-  private async work(doing: string, action: () => Promise<{ answer?: EditList; told: string }>): Promise<void> {
+  private async work(doing: string, action: () => Promise<{ answer?: EditList; told: string; action?: MessageAction }>): Promise<void> {
     if (this.busy) return;
     this.setBusy(true);
     this.messages.show(doing, 'work');
     try {
-      const { answer, told } = await action();
-      if (answer) { this.show(answer); await this.changed(); }
-      this.messages.show(told);
+      const done = await action();
+      if (done.answer) { this.show(done.answer); await this.changed(); }
+      this.messages.show(done.told, done.action ? 'result' : 'note', done.action);
     } catch (e) {
       this.messages.error(e);
     } finally {
@@ -152,7 +167,8 @@ export class EditPanel {
 
 function summary(r: EditReport): string {
   const objects = r.objects.map((o) => o.object).join(', ');
-  const left = r.left_behind.length ? `; ${r.left_behind.join(', ')} was on it; "with contents" takes it along` : '';
+  const absent = r.absent.length ? `; the room has no ${r.absent.join(', ')}` : '';
+  const left = r.left_behind.length ? `; left behind: ${r.left_behind.join(', ')}` : '';
   const counts = `${r.selected_gaussians.toLocaleString('en')} of ${r.gaussians_before.toLocaleString('en')} Gaussians`;
-  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians.toLocaleString('en')} new ones close the hole` : ''}${left}`;
+  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians.toLocaleString('en')} new ones close the hole` : ''}${left}${absent}`;
 }

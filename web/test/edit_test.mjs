@@ -105,6 +105,37 @@ await withBrowser(async (browser) => {
     check(readFileSync(await download.path()).equals(readFileSync(join(run, `scene.edited.${format}`))), 'as it stands in the run folder');
     await page.waitForFunction(() => !document.body.classList.contains('busy'));
   }
+
+  // Several edits go at once, and come back one by one.
+  const type = async (text, count) => { await page.locator('#edit-text').fill(text); await page.locator('#edit-text').press('Enter'); await done(count); };
+  await type('highlight floor in orange', 3);
+  await type('undo the last two edits', 1);
+  check((await edits()).join() === `delete ${thing}, hole filled`, `the last two go (${(await edits()).join()})`);
+  check(/undone: highlight .*; recolor wall /.test(await message()), `and are named (${await message()})`);
+  await page.mouse.move(2, 2);
+  check(difference(deleted, await picture()) < 1, 'the picture is that of the first edit');
+  await page.locator('#redo').click();
+  await done(2);
+  check((await edits())[1] === 'recolor wall to #ff8040', `"again" brings back the older one first (${(await edits())[1]})`);
+  await type('undo everything', 0);
+  await page.mouse.move(2, 2);
+  check(difference(start, await picture()) < 1 && (await splats()) === before, '"undo everything" brings the room back');
+  check(!existsSync(join(run, 'edits')), 'and leaves no files of edits');
+
+  // Things on the object are asked for.
+  if (thing === 'bed') {
+    await type('delete bed', 1);
+    const ask = page.locator('#message-action');
+    await ask.waitFor({ state: 'visible', timeout: 60000 });
+    check(/left behind: .*#1/.test(await message()), `what was on the bed is named (${await message()})`);
+    await shot('asked');
+    await ask.click();
+    await page.waitForFunction(() => document.querySelector('#edits li')?.textContent.includes('with contents') && !document.body.classList.contains('busy'), null, { timeout: 60000 });
+    check((await edits()).join() === 'delete bed with contents, hole filled', 'and goes along when asked to');
+    check(await ask.isHidden(), 'and is asked for once');
+    await page.locator('#undo').click();
+    await done(0);
+  }
   const expected = (c) => c.includes('400'); // the typing error
   check(rest.length > 0 && complaints.filter((c) => !expected(c)).length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
 }, { cleanup: () => { server.kill('SIGTERM'); remove(folder); } });

@@ -12,16 +12,43 @@ namespace aligngs {
 namespace {
 
 /// Floor under the removed objects: photos saw it in their shade, if at all.
-Footprint footprint(const FillRoom& r, const RoomPlane& plane) {
+struct UnderObjects {
+  Footprint footprint;
+  std::vector<PlaneRectangle> outlines;  ///< of each object, in cells of the footprint; legs and all between them
+  bool is_outlined(const Vec3d& place) const {
+    return std::any_of(outlines.begin(), outlines.end(),
+                       [&](const PlaneRectangle& o) { return o.holds(footprint.grid.place_of(place), 0); });
+  }
+};
+
+UnderObjects under_objects(const FillRoom& r, const RoomPlane& plane) {
+  UnderObjects out;
   std::vector<uint32_t> rows;
+  std::vector<std::vector<uint32_t>> parts;
   for (const std::vector<uint8_t>& part : r.parts) {
     if (!r.rests_on(part, plane)) continue;
+    parts.emplace_back();
     for (uint32_t i = 0; i < part.size(); ++i) {
       const double height = dot(plane.normal, position_of(r.room.model, i)) - plane.offset;
-      if (part[i] && std::fabs(height) < r.settings.overhang * r.extent) rows.push_back(i);
+      if (part[i] && std::fabs(height) < r.settings.overhang * r.extent) parts.back().push_back(i);
     }
+    rows.insert(rows.end(), parts.back().begin(), parts.back().end());
   }
-  return footprint_of(r.room.model, rows, plane, r.settings.cell_min * r.extent, r.settings.shadow);
+  out.footprint = footprint_of(r.room.model, rows, plane, r.settings.cell_min * r.extent, r.settings.shadow);
+  for (const std::vector<uint32_t>& part : parts) {
+    if (part.size() >= FillRoom::kFewestCarriers) out.outlines.push_back(r.rectangle_on(out.footprint.grid, part));
+  }
+  return out;
+}
+
+/// The surface apart from the removed objects, with which their shade is compared.
+Stains::Surface surface_around(const FillRoom& r, const RoomPlane& plane, const UnderObjects& under) {
+  std::vector<uint32_t> apart = r.clean(plane.carriers, r.settings.shade);
+  std::vector<uint32_t> rows;
+  for (const uint32_t i : apart) {
+    if (!under.is_outlined(position_of(r.room.model, i))) rows.push_back(i);
+  }
+  return r.stains.surface_of(rows.size() < FillRoom::kFewestCarriers ? std::move(apart) : std::move(rows));
 }
 
 /// Gaussians of a removed object that its selection leaves out. Those on walls, floor and ceiling stay unless their
@@ -80,17 +107,20 @@ void mark_unseen(const FillRoom& r, std::vector<uint8_t>& debris) {
 std::vector<uint8_t> find_debris(const FillRoom& r) {
   std::vector<uint8_t> debris = leftovers(r);
   for (const RoomPlane& plane : r.planes) {
-    const Stains::Surface surface = r.stains.surface_of(r.clean(plane.carriers, r.settings.shade));
-    const Footprint under = footprint(r, plane);
+    const UnderObjects under = under_objects(r, plane);
+    const Stains::Surface surface = surface_around(r, plane, under);
     r.for_each(debris.size(), [&](size_t i) {
       const uint16_t label = r.room.labels.label[i];
       if (r.input.selected[i] || debris[i] || label == kNoLabel || label >= r.classes.size()) return;
       const Vec3d place = position_of(r.room.model, i);
       const bool is_rug = r.classes[label].on_floor && plane.kind == PlaneKind::kFloor;
-      if (is_rug && under.holds(place)) debris[i] = 1;
-      if (r.classes[label].shell != plane.kind && !(r.taken.holds_row(i) && r.lies_on(place, plane))) return;
+      if (is_rug && under.footprint.holds(place)) debris[i] = 1;
+      // Crumbs of no object may lie on the surface, too: photos call the shade under an armchair armchair.
+      const bool may_lie_there = r.taken.holds_row(i) || r.room.labels.instance[i] == 0;
+      if (r.classes[label].shell != plane.kind && !(may_lie_there && r.lies_on(place, plane))) return;
       if (nearest_plane(r, place, plane.kind) != &plane) return;
-      debris[i] = under.holds(place) || r.stains.is_stain(i, surface);
+      debris[i] = under.footprint.holds(place) || r.stains.is_stain(i, surface) ||
+                  (under.is_outlined(place) && r.stains.is_shade(i, surface));
     });
   }
   mark_unseen(r, debris);

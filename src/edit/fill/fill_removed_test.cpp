@@ -64,6 +64,7 @@ class FillRemoved : public testing::Test {
     const LabelSet& labels = ade20k_labels();
     room_ = label_objects(model_, labels, small_room::kExtent, pool_);
     for (const size_t row : called_floor_) room_.labels.label[row] = small_room::kFloor;
+    for (const size_t row : crumbs_) room_.labels.instance[row] = 0;
     selected_.clear();
     for (const uint16_t l : room_.labels.label) selected_.push_back(l == taken_);
     for (const size_t row : unselected_) selected_[row] = 0;
@@ -98,6 +99,7 @@ class FillRemoved : public testing::Test {
   std::vector<uint8_t> selected_, debris_;
   int taken_ = small_room::kBox;      ///< class whose Gaussians go
   std::vector<size_t> called_floor_;  ///< rows whose label is wrong
+  std::vector<size_t> crumbs_;        ///< rows of no object
   std::vector<size_t> unselected_;    ///< rows of the box that the selection leaves out
   std::vector<Camera> cameras_;
 };
@@ -184,6 +186,36 @@ TEST_F(FillRemoved, TheShadeAroundTheBoxGoesWithIt) {
   const size_t shaded = model_.size() - 1;
   add_box();
   cameras_.clear();
+  fill();
+  EXPECT_EQ(debris_[shaded], 1);
+}
+
+TEST_F(FillRemoved, TheShadeBetweenLegsGoesWithThem) {
+  add_floor();
+  std::vector<size_t> shade;
+  for (float x = -0.1f; x < 0.1f; x += 0.02f) {  // farther from the legs than shade falls beside them
+    shade.push_back(model_.size());
+    small_room::add_gaussian(model_, {x, 0, 0.5f}, {0, -1, 0}, kFloorColor * 0.3f, small_room::kFloor);
+  }
+  const Vec3f color{0.8f, 0.3f, 0.3f};
+  for (const float x : {-0.4f, 0.36f}) {
+    for (const float z : {0.2f, 0.76f})
+      small_room::add_box(model_, mesh_, {x, -0.4f, z}, {x + 0.04f, 0, z + 0.04f}, color, small_room::kBox);
+  }
+  small_room::add_box(model_, mesh_, {-0.4f, -0.5f, 0.2f}, {0.4f, -0.4f, 0.8f}, color, small_room::kBox);
+  cameras_.clear();
+  fill();
+  for (const size_t row : shade) EXPECT_EQ(debris_[row], 1);
+}
+
+TEST_F(FillRemoved, ShadeThatPhotosCallTheBoxGoesWithIt) {
+  add_floor();
+  const size_t shaded = model_.size();
+  small_room::add_gaussian(model_, {0.36f, 0, 0.5f}, {0, -1, 0}, kFloorColor * 0.3f, small_room::kBox);
+  add_box();
+  cameras_.clear();
+  unselected_ = {shaded};
+  crumbs_ = {shaded};
   fill();
   EXPECT_EQ(debris_[shaded], 1);
 }

@@ -44,16 +44,26 @@ bool Stains::is_stain(size_t row, const Surface& surface) const {
   std::vector<PointTree::Neighbour> near;
   surface.tree.nearest(place, kAround, near);
   if (near.empty()) return false;
+  const auto is_alike = [&](const PointTree::Neighbour& n) {
+    return norm(color - base_color_of(room_.model, surface.rows[n.index])) <= settings_.unlike;
+  };
+  return (beside && std::none_of(near.begin(), near.end(), is_alike)) ||
+         (shaded && brightness(color) < settings_.shaded * dark_of(near, surface));
+}
+
+bool Stains::is_shade(size_t row, const Surface& surface) const {
+  std::vector<PointTree::Neighbour> near;
+  surface.tree.nearest(position_of(room_.model, row).cast<float>(), kAround, near);
+  return !near.empty() && brightness(base_color_of(room_.model, row)) < settings_.shaded * dark_of(near, surface);
+}
+
+float Stains::dark_of(const std::vector<PointTree::Neighbour>& near, const Surface& surface) const {
   std::vector<float> brightnesses;
-  float least_distance = 1;
-  for (const PointTree::Neighbour& n : near) {
-    const Vec3f around = base_color_of(room_.model, surface.rows[n.index]);
-    brightnesses.push_back(brightness(around));
-    least_distance = std::min(least_distance, norm(color - around));
-  }
+  for (const PointTree::Neighbour& n : near)
+    brightnesses.push_back(brightness(base_color_of(room_.model, surface.rows[n.index])));
   const auto dark = brightnesses.begin() + static_cast<std::ptrdiff_t>(brightnesses.size() / kStained);
   std::nth_element(brightnesses.begin(), dark, brightnesses.end());
-  return (beside && least_distance > settings_.unlike) || (shaded && brightness(color) < settings_.shaded * *dark);
+  return *dark;
 }
 
 bool Stains::is_foreign(size_t row, const Surface& surface) const {

@@ -29,10 +29,14 @@ class Stains {
   /// Whether a Gaussian near a removed object is not as its surface is farther off. It has a colour that the surface
   /// lacks, or is darker than the surface's pattern in the shade of furniture.
   bool is_stain(size_t row, const Surface& surface) const;
+  /// Whether a row is darker than the surface's pattern, wherever it is.
+  bool is_shade(size_t row, const Surface& surface) const;
   /// Whether no Gaussian of the surface near by has about the colour of a row. It is true of an empty surface.
   bool is_foreign(size_t row, const Surface& surface) const;
 
  private:
+  /// Brightness of the dark colours of some of a surface's Gaussians; some, not none.
+  float dark_of(const std::vector<PointTree::Neighbour>& near, const Surface& surface) const;
   bool is_near(const PointTree& tree, const Vec3f& place, double share) const;
 
   const LabelledGaussians& room_;

@@ -1,6 +1,8 @@
 #include "edit/relation/object_relations.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "edit/contents.h"
 
@@ -86,7 +88,39 @@ bool ObjectRelations::is_beside(size_t a, Relation relation, size_t b) const {
   return dot(direction, objects_[a].centre.cast<double>()) > end && objects_.gap(a, b) < limits_.beside;
 }
 
-std::optional<double> ObjectRelations::between(size_t a, Relation relation, size_t b) const {
+std::vector<Vec2d> ObjectRelations::directions(size_t a, size_t b) const {
+  const BoxAxes& axes = objects_.axes();
+  const Vec2d middle = objects_.box(a).middle();
+  std::vector<std::pair<double, Vec2d>> seen;  // distances and directions
+  for (const Vec3f& p : objects_.places(b)) {
+    const Vec2d place = axes.on_floor(p.cast<double>());
+    const double u = place.x - middle.x, v = place.y - middle.y, distance = std::hypot(u, v);
+    if (distance > 0) seen.push_back({distance, {u / distance, v / distance}});
+  }
+  if (seen.empty()) return {};
+  const auto nearer = [](const auto& one, const auto& other) { return one.first < other.first; };
+  const auto nearest = std::min_element(seen.begin(), seen.end(), nearer);
+  if (classes_[static_cast<size_t>(objects_[b].label)].shell == PlaneKind::kNone) return {nearest->second};
+  const double farthest = std::max(nearest->first, 0.5 * objects_.box(a).length) + limits_.beside * objects_.metre();
+  std::vector<Vec2d> out;
+  for (const auto& [distance, direction] : seen) {
+    if (distance <= farthest) out.push_back(direction);
+  }
+  return out;
+}
+
+std::optional<double> ObjectRelations::gap_between(size_t a, size_t one, size_t other) const {
+  if (a == one || a == other || one == other) return std::nullopt;
+  up_of_viewer(objects_.viewpoint());  // refuses where it is not known
+  const double most = std::cos(limits_.apart * std::numbers::pi / 180);
+  const std::vector<Vec2d> there = directions(a, one), here = directions(a, other);
+  const bool is_between = std::any_of(there.begin(), there.end(), [&](const Vec2d& t) {
+    return std::any_of(here.begin(), here.end(), [&](const Vec2d& h) { return t.x * h.x + t.y * h.y < most; });
+  });
+  return is_between ? std::optional<double>(objects_.gap(a, one) + objects_.gap(a, other)) : std::nullopt;
+}
+
+std::optional<double> ObjectRelations::gap_where(size_t a, Relation relation, size_t b) const {
   if (a == b) return std::nullopt;
   const auto where = [&](bool holds) { return holds ? std::optional<double>(objects_.gap(a, b)) : std::nullopt; };
   const auto within = [&](double most) {

@@ -21,6 +21,7 @@ struct RelationLimits {
   double around = 0.25;  ///< by which a footprint is widened for things that hang above it
   double inside = 0.05;  ///< by which a box is widened for things in it, or under it
   double share = 0.5;    ///< of the smaller footprint that lies over or under the other one
+  double apart = 135;    ///< degrees from one thing to the other around what is between them
 };
 
 class ObjectRelations {
@@ -31,9 +32,14 @@ class ObjectRelations {
 
   /// The gap in metres where object `a` has the relation to object `b`, else nothing. Error{kBadInput} where the
   /// relation needs a direction that the room does not tell.
-  std::optional<double> between(size_t a, Relation relation, size_t b) const;
+  std::optional<double> gap_where(size_t a, Relation relation, size_t b) const;
+  /// The sum of both gaps in metres where object `a` is between two others, seen from above. Those are in directions
+  /// that are more than a right angle and a half of one apart. Walls are in each direction in which they are.
+  std::optional<double> gap_between(size_t a, size_t one, size_t other) const;
 
  private:
+  /// Unit directions on the floor from the middle of `a` to `b`: to its nearest place, or to all of a wall's near places.
+  std::vector<Vec2d> directions(size_t a, size_t b) const;
   bool is_on(size_t a, size_t b) const;
   bool is_on_shell(size_t a, size_t b) const;
   bool is_in(size_t a, size_t b) const;

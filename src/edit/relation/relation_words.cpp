@@ -46,7 +46,9 @@ constexpr std::pair<std::string_view, Relation> kRelationWords[] = {{"on", Relat
                                                                     {"on the right side of", Relation::kRightOf},
                                                                     {"in front of", Relation::kInFrontOf},
                                                                     {"behind", Relation::kBehind},
-                                                                    {"in back of", Relation::kBehind}};
+                                                                    {"in back of", Relation::kBehind},
+                                                                    {"between", Relation::kBetween},
+                                                                    {"in between", Relation::kBetween}};
 
 }  // namespace
 
@@ -60,6 +62,13 @@ std::optional<FoundRelation> find_relation(std::string_view text, bool leading) 
       found = FoundRelation{relation, at, word.size()};
   }
   return found;
+}
+
+bool wants_other_side(std::string_view text) {
+  constexpr std::string_view kWord = "between";
+  size_t last = std::string_view::npos;
+  for (size_t at = find_word(text, kWord); at != std::string_view::npos; at = find_word(text, kWord, at + 1)) last = at;
+  return last != std::string_view::npos && find_conjunction(text, last).first == std::string_view::npos;
 }
 
 std::string_view relation_word(Relation relation) {

@@ -19,7 +19,8 @@ enum class Relation {
   kLeftOf,     ///< beyond its left side, as the photos' cameras see it
   kRightOf,    ///< beyond its right side
   kInFrontOf,  ///< on the side of the cameras
-  kBehind      ///< on the other side
+  kBehind,     ///< on the other side
+  kBetween     ///< with one of two things on each side, seen from above
 };
 
 /// A relation in a text, and its place there.
@@ -31,6 +32,9 @@ struct FoundRelation {
 /// The first one with words before and after it, or at the very begin where `leading`. The longer one counts where two
 /// begin at one place.
 std::optional<FoundRelation> find_relation(std::string_view text, bool leading = false);
+
+/// Whether the words of a place end with "between" and one thing: the other one follows after "and".
+bool wants_other_side(std::string_view text);
 
 /// "on", "next to", ...
 std::string_view relation_word(Relation relation);

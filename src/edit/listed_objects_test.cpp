@@ -1,0 +1,46 @@
+#include "edit/listed_objects.h"
+
+#include <gtest/gtest.h>
+
+#include "edit/relation/bedroom_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+class ObjectList : public small_room::BedroomOfBoxes {
+ protected:
+  EditableRoom room() const {
+    EditableRoom room;
+    room.gaussians = room_;
+    room.labels = labels_;
+    room.up = viewpoint_.up;
+    return room;
+  }
+};
+
+TEST_F(ObjectList, TellsTheSidesOfTheBox) {
+  for (const ListedObject& object : listed_objects(room())) {
+    if (object.name != "bed#2") continue;
+    ASSERT_TRUE(object.sides);
+    EXPECT_NEAR(object.sides->x, 1.36, 0.1) << "length";
+    EXPECT_NEAR(object.sides->y, 1, 0.1) << "width";
+    EXPECT_NEAR(object.sides->z, 0.5, 0.05) << "height";
+    return;
+  }
+  FAIL() << "the list has no bed#2";
+}
+
+TEST_F(ObjectList, HasNoSizesWithoutAnUpDirection) {
+  EditableRoom flat = room();
+  flat.up.reset();
+  for (const ListedObject& object : listed_objects(flat)) EXPECT_FALSE(object.sides) << object.name;
+}
+
+TEST(ObjectSides, AreCentimetresWhereTheScaleIsKnown) {
+  EXPECT_EQ(sides_text({0.77, 0.5, 1.804}, 1.0), "77 x 50 x 180 cm");
+  EXPECT_EQ(sides_text({0.77, 0.5, 1.8}, 2.0), "154 x 100 x 360 cm");
+  EXPECT_EQ(sides_text({0.77, 0.5, 1.8}, {}), "0.77 x 0.50 x 1.80 units");
+}
+
+}  // namespace
+}  // namespace aligngs
