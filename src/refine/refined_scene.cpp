@@ -249,7 +249,7 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
   write_file_atomically(file, json_document(json));
 }
 
-/// Depth of test views is not read, so that it would keep a scale that the scene no longer states.
+/// Depth of test views is not corrected: it would keep the scale and the cameras that the scene has left.
 void remove_test_depth(const Scene& scene, const fs::path& folder) {
   for (const int v : scene.test) {
     const fs::path& map = scene.views[static_cast<size_t>(v)].prior_depth;
@@ -369,7 +369,7 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
     write_depth(scene, scene.train[i], placement.views[i].factor, log_factors[i], folder);
   }
   if (options.correct_depth) {
-    if (placement.scale != DepthScale::kScene) remove_test_depth(scene, folder);
+    remove_test_depth(scene, folder);
     note_scene_depth(folder);
   }
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
