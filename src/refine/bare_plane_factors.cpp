@@ -23,7 +23,8 @@ BarePlaneFactors bare_plane_factors(const std::vector<MatchView>& photos, const 
     const ImageF &before = photos[i].depth, &after = depths[i].depth;
     ImageF factor(before.width, before.height, 1);
     for (size_t p = 0; p < factor.data.size(); ++p) {
-      if (is_depth(before.data[p]) && is_depth(after.data[p])) factor.data[p] = std::log(after.data[p] / before.data[p]);
+      if (is_depth(before.data[p]) && is_depth(after.data[p]))
+        factor.data[p] = std::log(after.data[p] / before.data[p]);
     }
     result.log_factors.push_back(std::move(factor));
   }

@@ -45,9 +45,9 @@ TEST(BarePlaneFactors, BringTheDepthOntoThePlanes) {
   const BarePlaneFactors result = square.factors();
   EXPECT_FALSE(result.report.planes.empty());
   for (size_t i = 0; i < square.photos.size(); ++i)
-    EXPECT_NEAR(square.photos[i].depth.at(70, 50) * std::exp(result.log_factors[i].at(70, 50)) /
-                    square.truth[i].at(70, 50),
-                1, 0.005)
+    EXPECT_NEAR(
+        square.photos[i].depth.at(70, 50) * std::exp(result.log_factors[i].at(70, 50)) / square.truth[i].at(70, 50), 1,
+        0.005)
         << i;
 }
 

@@ -33,8 +33,8 @@ void count(const MeasuredView& view, const std::vector<ScenePlane>& planes, doub
 
 }  // namespace
 
-std::vector<std::vector<float>> class_fit(const std::vector<MeasuredView>& views,
-                                          const std::vector<ScenePlane>& planes, const ClassFitSettings& settings) {
+std::vector<std::vector<float>> class_fit(const std::vector<MeasuredView>& views, const std::vector<ScenePlane>& planes,
+                                          const ClassFitSettings& settings) {
   Counts counts(planes.size());
   for (const MeasuredView& view : views) {
     if (!view.labels.empty()) count(view, planes, settings.reach, counts);
