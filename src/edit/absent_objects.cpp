@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <map>
 
+#include "edit/object_names.h"
 #include "edit/relation/class_kin.h"
 
 namespace aligngs {
 namespace {
-
-constexpr size_t kShownObjects = 8;
-
-std::string name_of_object(const Instance& object, const LabelSet& labels) {
-  return labels.classes.at(static_cast<size_t>(object.label)).name + "#" + std::to_string(object.number);
-}
 
 bool is_absent(const SelectionTerm& term, const std::vector<Instance>& objects) {
   return term.label >= 0 && std::none_of(objects.begin(), objects.end(), [&](const Instance& o) {
@@ -56,11 +51,7 @@ std::string held_instead(const std::vector<Instance>& objects, const std::vector
   std::vector<Instance> shown = is_wanted([](int label, int held) { return label == held; });
   if (shown.empty()) shown = is_wanted([&](int label, int held) { return are_kin(labels, label, held); });
   if (shown.empty()) shown = objects;
-  std::string text = "it holds ";
-  for (size_t i = 0; i < shown.size() && i < kShownObjects; ++i)
-    text += (i ? ", " : "") + name_of_object(shown[i], labels);
-  if (shown.size() > kShownObjects) text += " and " + std::to_string(shown.size() - kShownObjects) + " more";
-  return text + "; `aligngs edit RUN --list` shows all objects";
+  return "it holds " + first_objects_text(shown, labels) + "; `aligngs edit RUN --list` shows all objects";
 }
 
 }  // namespace aligngs

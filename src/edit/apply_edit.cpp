@@ -102,9 +102,8 @@ void move_objects(EditableRoom& room, const EditOperation& edit, const std::vect
   EditableRoom piece = piece_of(room, mask, vertices);
   claim_neighbours(piece, room);
   ObjectMotion motion = edit.motion;
-  const bool stays =
-      motion.shift.x == 0 && motion.shift.y == 0 && motion.shift.z == 0;  // a turned copy steps aside, too
-  if (edit.kind == EditKind::kDuplicate && stays) motion.shift.x = step_aside(room, mask);
+  // A turned copy steps aside, too.
+  if (edit.kind == EditKind::kDuplicate && motion.stays_in_place()) motion.shift.x = step_aside(room, mask);
   const Similarity to = motion_in_world(room, mask, motion);
   if (edit.kind == EditKind::kMove) {
     remove_objects(room, edit, mask, vertices, report, pool);

@@ -150,8 +150,7 @@ std::string color_text(const std::array<uint8_t, 3>& color) {
 }
 
 std::string describe(const EditOperation& edit) {
-  const Vec3d& s = edit.motion.shift;
-  const bool turns = edit.kind == EditKind::kMove && s.x == 0 && s.y == 0 && s.z == 0 && edit.motion.turn != 0;
+  const bool turns = edit.kind == EditKind::kMove && edit.motion.stays_in_place() && edit.motion.turn != 0;
   std::string text = (turns ? "turn" : edit_kind_name(edit.kind)) + " " + edit.select;
   if (edit.kind == EditKind::kRecolor) text += " to " + color_text(edit.color);
   if (edit.kind == EditKind::kHighlight) text += " in " + color_text(edit.color);

@@ -10,7 +10,8 @@ struct ObjectMotion {
   Vec3d shift;  ///< scene units: to the right, upwards, towards that person
   /// degrees, counter-clockwise seen from above, about the upright axis through the middle of the box
   double turn = 0;
-  bool is_still() const { return shift.x == 0 && shift.y == 0 && shift.z == 0 && turn == 0; }
+  bool stays_in_place() const { return shift.x == 0 && shift.y == 0 && shift.z == 0; }  ///< it may turn there
+  bool is_still() const { return stays_in_place() && turn == 0; }
 };
 
 }  // namespace aligngs

@@ -24,9 +24,9 @@ struct ObjectPieceSettings {
 
 /// An object that is smaller than another one of its class, and is right above, below or within it, becomes a part of
 /// it. Only lamps and some furniture have such pieces: books, pictures and cabinets of equal class lie above each other,
-/// too. Kinds of lamps count as one class, and so do kinds of chairs. Two kinds that touch are two names for one thing. Pieces of a bed or a
-/// sofa also join where a blanket, pillow or cushion lies on both: it hides what is between them. Numbers of other
-/// objects do not change. Without an up direction nothing happens. Returns how many objects have joined.
+/// too. Kinds of lamps count as one class, and so do kinds of chairs. Two kinds that touch are two names for one thing.
+/// Pieces of a bed or a sofa also join where a blanket, pillow or cushion lies on both: it hides what is between them.
+/// Numbers of other objects do not change. Without an up direction nothing happens. Returns how many objects have joined.
 size_t join_object_pieces(LabelledGaussians& room, const LabelSet& labels, const std::optional<Vec3d>& up,
                           const ObjectPieceSettings& settings = {});
 

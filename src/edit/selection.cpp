@@ -258,12 +258,4 @@ GaussianSelection select_gaussians(const LabelledGaussians& room, const Selectio
   return selection;
 }
 
-std::string objects_text(const std::vector<Instance>& objects, const LabelSet& labels) {
-  std::string text;
-  for (const Instance& object : objects) {
-    text += (text.empty() ? "" : ", ") + labels.classes.at(object.label).name + "#" + std::to_string(object.number);
-  }
-  return text.empty() ? "nothing that has a name" : text;
-}
-
 }  // namespace aligngs

@@ -59,7 +59,4 @@ GaussianSelection select_gaussians(const LabelledGaussians& room, const Selectio
 /// fewer than two different values.
 double otsu_threshold(const std::vector<float>& values);
 
-/// "bed#1, pillow#1, pillow#2, ..." of what a room holds.
-std::string objects_text(const std::vector<Instance>& objects, const LabelSet& labels);
-
 }  // namespace aligngs

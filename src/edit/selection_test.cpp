@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "edit/object_names.h"
 #include "edit/small_room_for_tests.h"
 #include "scene/triangle_mesh.h"
 

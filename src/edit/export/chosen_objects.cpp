@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "edit/export/object_meshes.h"
+#include "edit/object_names.h"
 #include "gaussians/instances.h"
 
 namespace aligngs {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angles.h"
 #include "edit/contents.h"
 
 namespace aligngs {
@@ -112,7 +112,7 @@ std::vector<Vec2d> ObjectRelations::directions(size_t a, size_t b) const {
 std::optional<double> ObjectRelations::gap_between(size_t a, size_t one, size_t other) const {
   if (a == one || a == other || one == other) return std::nullopt;
   up_of_viewer(objects_.viewpoint());  // refuses where it is not known
-  const double most = std::cos(limits_.apart * std::numbers::pi / 180);
+  const double most = std::cos(limits_.apart * kRadiansPerDegree);
   const std::vector<Vec2d> there = directions(a, one), here = directions(a, other);
   const bool is_between = std::any_of(there.begin(), there.end(), [&](const Vec2d& t) {
     return std::any_of(here.begin(), here.end(), [&](const Vec2d& h) { return t.x * h.x + t.y * h.y < most; });

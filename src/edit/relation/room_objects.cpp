@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "edit/object_names.h"
 #include "edit/object_rows.h"
 #include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
@@ -33,17 +34,12 @@ RoomObjects::RoomObjects(const LabelledGaussians& room, const LabelSet& labels, 
 
 RoomObjects::~RoomObjects() = default;
 
-std::string RoomObjects::name(size_t i) const {
-  const Instance& o = objects_[i].instance;
-  return labels_.classes.at(static_cast<size_t>(o.label)).name + "#" + std::to_string(o.number);
-}
+std::string RoomObjects::name(size_t i) const { return object_name(objects_[i].instance, labels_); }
 
 std::string RoomObjects::names(const std::vector<size_t>& objects) const {
-  constexpr size_t kShownNames = 8;
-  std::string text;
-  for (size_t k = 0; k < objects.size() && k < kShownNames; ++k) text += (k ? ", " : "") + name(objects[k]);
-  if (objects.size() > kShownNames) text += " and " + std::to_string(objects.size() - kShownNames) + " more";
-  return text;
+  std::vector<Instance> named;
+  for (const size_t i : objects) named.push_back(objects_[i].instance);
+  return first_objects_text(named, labels_);
 }
 
 const ObjectBox& RoomObjects::box(size_t i) const {
