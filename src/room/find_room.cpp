@@ -6,18 +6,13 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/quantile.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
 
 constexpr double kStray = 0.01;  // share of the heights that are taken for strays where floor or ceiling is assumed
-
-double quantile(std::vector<double> values, double share) {
-  const size_t k = std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
-  return values[k];
-}
 
 std::vector<double> heights_of(const std::vector<SeenRay>& rays) {
   std::vector<double> z;
@@ -196,7 +191,7 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   if (rays.empty()) throw_bad_input({}, "depth", "no photo shows a surface", "train longer, or look at the renders");
   room.floor_assumed = !frame->floor;
   if (!frame->floor) {
-    room.to_room.translation.z -= quantile(heights_of(rays), kStray);
+    room.to_room.translation.z -= quantile_of(heights_of(rays), kStray);
     rays = seen_rays(inputs.views, room.to_room, s.outline_stride, s.label_edge);
     room.warnings.push_back("No floor was found. Its height is that of the lowest surfaces.");
   }
@@ -204,7 +199,7 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   level.to_room.translation = room.to_room.translation;
   room.ceiling = ceiling_of(planes, level, s);
   room.ceiling_assumed = room.ceiling.empty();
-  double height = quantile(heights_of(rays), 1 - kStray);
+  double height = quantile_of(heights_of(rays), 1 - kStray);
   for (const CeilingPlane& plane : room.ceiling) {
     if (plane.normal.z < -0.999999) height = plane.offset;
   }

@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "core/quantile.h"
 
 namespace aligngs {
 namespace {
-
-double sorted_at(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return 0;
-  return sorted[std::min(sorted.size() - 1, static_cast<size_t>(share * static_cast<double>(sorted.size())))];
-}
 
 /// Points on a plane and beyond it.
 struct PlaneSides {
@@ -55,12 +51,10 @@ LevelPlanes find_level_planes(const std::vector<ScenePlane>& planes, const std::
     cameras.push_back(point.from.z);
     heights.push_back(point.to.z);
   }
-  std::sort(cameras.begin(), cameras.end());
-  std::sort(heights.begin(), heights.end());
   LevelPlanes out;
-  out.low = sorted_at(heights, s.stray);
-  out.high = sorted_at(heights, 1 - s.stray);
-  const double unit = out.high - out.low, lowest = sorted_at(cameras, 0.1), highest = sorted_at(cameras, 0.9);
+  out.low = quantile_of(heights, s.stray);
+  out.high = quantile_of(heights, 1 - s.stray);
+  const double unit = out.high - out.low, lowest = quantile_of(cameras, 0.1), highest = quantile_of(cameras, 0.9);
   const double level = std::cos(s.level_angle * kRadiansPerDegree),
                upright = std::sin(s.upright_angle * kRadiansPerDegree);
   std::vector<LevelCandidate> floors, level_ceilings, slopes;
@@ -87,7 +81,7 @@ LevelPlanes find_level_planes(const std::vector<ScenePlane>& planes, const std::
     out.high = planes[out.ceilings.front()].centre.z;
   }
   // A room without a ceiling is as high as the photos were taken: its walls end no lower.
-  if (ceiling.empty() && !cameras.empty()) out.high = std::max(out.high, cameras.back());
+  if (ceiling.empty() && !cameras.empty()) out.high = std::max(out.high, quantile_of(cameras, 1));
   const std::vector<size_t> sloping = kept(slopes, s);
   out.ceilings.insert(out.ceilings.end(), sloping.begin(), sloping.end());
   return out;

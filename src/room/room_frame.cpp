@@ -34,6 +34,12 @@ ScenePlane in_frame(const ScenePlane& plane, const Rigidd& to_room) {
   return out;
 }
 
+Mat3d upright_rotation(const Vec3d& up, const std::optional<Vec3d>& wall_normal) {
+  const Vec3d any = std::abs(up.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d x = normalized(wall_normal ? cross(*wall_normal, up) : cross(up, any)), y = cross(up, x);
+  return {{x.x, x.y, x.z, y.x, y.y, y.z, up.x, up.y, up.z}};
+}
+
 std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, const std::optional<Vec3d>& up,
                                          const RoomFrameSettings& s) {
   const double level = std::cos(s.level_angle * kRadiansPerDegree),
@@ -60,10 +66,7 @@ std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, 
     if (!widest || planes[i].points > widest->points) widest = &planes[i];
   }
   // x runs along the wall with most points; without walls, along any level direction.
-  const Vec3d any = std::abs(vertical->x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  const Vec3d x = normalized(widest ? cross(widest->normal, *vertical) : cross(*vertical, any));
-  const Vec3d y = cross(*vertical, x);
-  frame.to_room.rotation = {{x.x, x.y, x.z, y.x, y.y, y.z, vertical->x, vertical->y, vertical->z}};
+  frame.to_room.rotation = upright_rotation(*vertical, widest ? std::optional<Vec3d>(widest->normal) : std::nullopt);
   if (frame.floor) frame.to_room.translation = {0, 0, planes[*frame.floor].offset};
   return frame;
 }

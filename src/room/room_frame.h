@@ -29,6 +29,9 @@ struct RoomFrame {
 std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, const std::optional<Vec3d>& up,
                                          const RoomFrameSettings& settings = {});
 
+/// A rotation that takes `up`, unit, to z. x runs along a wall with this normal; without, along any level direction.
+Mat3d upright_rotation(const Vec3d& up, const std::optional<Vec3d>& wall_normal = {});
+
 /// A plane of the world in the frame.
 ScenePlane in_frame(const ScenePlane& plane, const Rigidd& to_room);
 

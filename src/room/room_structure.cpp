@@ -10,13 +10,6 @@
 namespace aligngs {
 namespace {
 
-/// A rotation that takes `up` to z.
-Mat3d upright_rotation(const Vec3d& up) {
-  const Vec3d any = std::abs(up.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  const Vec3d x = normalized(cross(up, any)), y = cross(up, x);
-  return {{x.x, x.y, x.z, y.x, y.y, y.z, up.x, up.y, up.z}};
-}
-
 ScenePlane scaled(ScenePlane plane, double factor) {
   plane.offset *= factor;
   plane.centre *= factor;
