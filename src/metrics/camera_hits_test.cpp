@@ -19,6 +19,18 @@ TriangleMesh two_walls() {
   return mesh;
 }
 
+/// Without a cache: per triangle 1 when the ray of some pixel of some camera hits it first.
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there,
+                                         const std::vector<Camera>& cameras, ThreadPool& pool) {
+  std::vector<uint8_t> hit(there.size(), 0);
+  for (const Camera& camera : cameras) {
+    for (const uint32_t t : scene.cast(camera, pool, &there).triangle.data) {
+      if (t != kNoTriangle) hit[t] = 1;
+    }
+  }
+  return hit;
+}
+
 class HitCacheTest : public testing::Test {
  protected:
   static Camera camera_at(double x) {

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "core/random.h"
+#include "metrics/camera_hits.h"
 
 namespace aligngs {
 namespace {
@@ -67,7 +68,7 @@ class SurfaceQualityTest : public testing::Test {
     input.truth_rays = &truth_rays;
     input.training = {camera_at(-0.1), camera_at(0.1)};
     const std::vector<uint8_t> all(predicted.triangles.size(), 1);
-    input.seen = first_hit_triangles(predicted_rays, all, input.training, pool_);
+    input.seen = HitCache(predicted_rays, all.size(), input.training, pool_).seen({0, 1}, all);
     input.structural = {0, 1};
     return measure_surface(input, pool_);
   }

@@ -169,17 +169,6 @@ std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point
   return uv;
 }
 
-std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there,
-                                         const std::vector<Camera>& cameras, ThreadPool& pool) {
-  std::vector<uint8_t> hit(there.size(), 0);
-  for (const Camera& camera : cameras) {
-    for (const uint32_t t : scene.cast(camera, pool, &there).triangle.data) {
-      if (t != kNoTriangle) hit[t] = 1;
-    }
-  }
-  return hit;
-}
-
 std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera>& cameras,
                                  const std::vector<Vec3f>& points, double tolerance, ThreadPool& pool) {
   constexpr size_t kPointGrain = 256;  // some milliseconds of rays

@@ -75,11 +75,6 @@ inline constexpr double kOwnSurface = 0.005;
 std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera>& cameras,
                                  const std::vector<Vec3f>& points, double tolerance, ThreadPool& pool);
 
-/// Per triangle 1 when it is the first hit, of the triangles that `there` marks 1, of the ray of some pixel of some
-/// camera.
-std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there,
-                                         const std::vector<Camera>& cameras, ThreadPool& pool);
-
 /// The mesh of the triangles marked 1 and the vertices that they use; attributes follow.
 TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::vector<uint8_t>& keep);
 

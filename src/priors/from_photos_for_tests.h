@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/error.h"
+#include "core/error_for_tests.h"
 #include "core/log.h"
 #include "io/image_file.h"
 #include "nn/random_weights.h"
@@ -93,17 +93,6 @@ class FromPhotos : public testing::Test {
   }
   ScenePhotosReport make() const {
     return make_scene_from_photos(folder / "photos", folder / "scene", ModelStore(store_options), options);
-  }
-  template <class F>
-  static std::string error_of(ErrorKind kind, F work) {
-    try {
-      work();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), kind) << error.what();
-      return error.what();
-    }
-    ADD_FAILURE() << "no error";
-    return {};
   }
   void three_photos() const {
     for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) write_photo(name, 120, 90);

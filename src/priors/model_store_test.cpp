@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "core/error.h"
+#include "core/error_for_tests.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
@@ -50,18 +50,6 @@ class Models : public testing::Test {
   }
   const ModelFile& file() const { return model.files[0]; }
   ModelStore store() const { return ModelStore(options); }
-
-  template <class F>
-  static std::string error_of(ErrorKind kind, F work) {
-    try {
-      work();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), kind) << error.what();
-      return error.what();
-    }
-    ADD_FAILURE() << "no error";
-    return {};
-  }
 
   fs::path folder;
   ModelStoreOptions options;
