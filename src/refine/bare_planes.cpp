@@ -92,21 +92,22 @@ class Evidence {
 
   void add(const Surface& surface, int label, ImageF& costs) const {
     const ImageF& depth = surface.depth;
+    const CameraPlane* const plane = surface.plane;
     const CostVolume photo = sweep_prior_depth({view_.camera, view_.luma, depth}, partners_, sweep_);
     for (int y = 0; y < depth.height; ++y) {
       for (int x = 0; x < depth.width; ++x) {
         const float z = depth.at(x, y), measured = measured_.at(x, y);
         float& cost = costs.at(x, y, label);
-        if (!is_depth(z) || (surface.plane != nullptr && z > farthest_)) {
+        if (!is_depth(z) || (plane && z > farthest_)) {
           cost = kNowhere;
         } else if (measured > 0) {
-          cost = surface.plane != nullptr ? saturated(std::log(static_cast<double>(z / measured)) / settings_.reach)
-                                          : settings_.of_own_depth;
+          cost =
+              plane ? saturated(std::log(static_cast<double>(z / measured)) / settings_.reach) : settings_.of_own_depth;
         } else {
           cost = settings_.photo * std::min(1.0f, *photo.at(x, y)) + of_others(x, y, static_cast<double>(z)) +
-                 (surface.plane != nullptr ? of_distance(x, y, static_cast<double>(z)) : settings_.of_between);
+                 (plane ? of_distance(x, y, static_cast<double>(z)) : settings_.of_between);
         }
-        if (surface.plane != nullptr) cost += of_direction(x, y, *surface.plane) + of_class(x, y, *surface.class_fit);
+        if (plane) cost += of_direction(x, y, *plane) + of_class(x, y, *surface.class_fit);
       }
     }
   }

@@ -17,8 +17,8 @@
 namespace aligngs {
 namespace {
 
-constexpr int64_t kSoonOver =
-    4;  // a checkpoint within a quarter of their distance from the end is left to the last one
+// A checkpoint within a quarter of their distance from the end is left to the last one.
+constexpr int64_t kSoonOver = 4;
 constexpr double kAverageKeep = 0.98;  // running mean over about 50 steps: a few epochs of a small scene
 
 Random generator(const TrainConfig& config, RandomPurpose purpose) {
