@@ -25,7 +25,7 @@ PageServer::PageServer(PageServerOptions options) {
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
     edits_ = std::make_unique<EditService>(EditServiceOptions{
         run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); },
-        [this](const EditableRoom& room) { start_->edited(room.gaussians.model); }});
+        &drawing_, [this](const EditableRoom& room) { start_->edited(room.gaussians.model); }});
     if (!options.server.expect_run) edits_->open_ahead();
     edits_->serve(options.server);
     selections_ =

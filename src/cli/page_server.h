@@ -45,7 +45,7 @@ class PageServer {
   bool stop_was_asked() const { return stop_asked_; }
 
  private:
-  std::mutex drawing_;  // held by whoever draws a picture
+  std::mutex drawing_;  // held by whoever draws a picture or exports
   std::unique_ptr<SceneService> scenes_;
   std::unique_ptr<StartPicture> start_;  // before the edits, which tell it of theirs
   std::unique_ptr<EditService> edits_;

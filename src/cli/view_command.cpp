@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/help_text.h"
 #include "cli/page_server.h"
+#include "core/free_memory.h"
 #include "io/json_text.h"
 
 namespace aligngs {
@@ -41,6 +42,7 @@ void add_view_command(CLI::App& program, CommandContext& context) {
     page.server.web_root = options->web_root;
     page.scene = options->scene;
     page.threads = context.global.threads;
+    return_large_arrays_at_once();
     const PageServer server(std::move(page));
     const std::string ssh = server.ssh_line();
     if (context.global.json) {

@@ -7,4 +7,8 @@ namespace aligngs {
 /// for hours gives it back with this. Takes milliseconds; does nothing with other C libraries than glibc.
 void give_back_free_memory();
 
+/// Arrays of a megabyte and more go back to the system as soon as they are freed, from now on. Else glibc keeps up to
+/// 32 MB of an array for later, in pieces that nothing large fits into. For a process that runs for hours.
+void return_large_arrays_at_once();
+
 }  // namespace aligngs

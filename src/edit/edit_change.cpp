@@ -154,15 +154,16 @@ void remove_gaussians(EditableRoom& room, const std::vector<uint32_t>& gone) {
 void append_gaussians(EditableRoom& room, const EditChange& change) {
   const AddedGaussians& more = change.added;
   GaussianModel& m = room.gaussians.model;
-  append(m.positions, more.model.positions);
-  append(m.log_scales, more.model.log_scales);
-  append(m.rotations, more.model.rotations);
-  append(m.opacity_logits, more.model.opacity_logits);
-  append(m.sh, more.model.sh);
+  append_exactly(m.positions, more.model.positions);
+  append_exactly(m.log_scales, more.model.log_scales);
+  append_exactly(m.rotations, more.model.rotations);
+  append_exactly(m.opacity_logits, more.model.opacity_logits);
+  append_exactly(m.sh, more.model.sh);
   m.semantics.resize(m.size() * static_cast<size_t>(m.semantic_channels));
-  append(room.gaussians.labels.label, more.label);
-  append(room.gaussians.labels.instance, more.instance);
-  append(room.gaussians.labels.confidence, more.confidence);
+  append_exactly(room.gaussians.labels.label, more.label);
+  append_exactly(room.gaussians.labels.instance, more.instance);
+  append_exactly(room.gaussians.labels.confidence, more.confidence);
+  room.origins.reserve(room.origins.size() + more.size());
   for (uint32_t i = 0; i < more.size(); ++i)
     room.origins.push_back({more.source[i], true, row_of_edit(change.number, i)});
 }

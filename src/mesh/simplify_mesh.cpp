@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <map>
+#include <numeric>
 
 #include "core/error.h"
 #include "metrics/visibility.h"
@@ -16,12 +17,31 @@ namespace {
 /// Vertices of a part at one place whose normals differ by less are one: 45 degrees.
 constexpr float kSameNormal = 0.7f;
 
+/// Vertices by place, those of one place by number. The bits of a place are ordered where its numbers are not.
+std::vector<uint32_t> by_place(const std::vector<Vec3f>& vertices) {
+  const auto bits = [&](uint32_t v) {
+    const Vec3f& p = vertices[v];
+    const auto of = [](float x) { return std::bit_cast<uint32_t>(x + 0.0f); };  // -0 is 0
+    return std::array<uint32_t, 4>{of(p.x), of(p.y), of(p.z), v};
+  };
+  std::vector<uint32_t> order(vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return bits(a) < bits(b); });
+  return order;
+}
+
 /// Lets triangles of a part share vertices. Loose tiles of a floor do not.
 void share_vertices(TriangleMesh& part) {
-  std::map<std::array<float, 3>, std::vector<uint32_t>> at_place;
+  const std::vector<uint32_t> order = by_place(part.vertices);
+  const auto at_one_place = [&](uint32_t a, uint32_t b) {
+    const Vec3f &p = part.vertices[a], &q = part.vertices[b];
+    return p.x == q.x && p.y == q.y && p.z == q.z;
+  };
   std::vector<uint32_t> same(part.vertices.size());
-  for (uint32_t v = 0; v < same.size(); ++v) {
-    std::vector<uint32_t>& others = at_place[{part.vertices[v].x, part.vertices[v].y, part.vertices[v].z}];
+  std::vector<uint32_t> others;  // different vertices of the place
+  for (size_t i = 0; i < order.size(); ++i) {
+    const uint32_t v = order[i];
+    if (i == 0 || !at_one_place(order[i - 1], v)) others.clear();
     const auto found = std::find_if(others.begin(), others.end(), [&](uint32_t o) {
       return part.normals.empty() || dot(part.normals[o], part.normals[v]) > kSameNormal;
     });
@@ -43,6 +63,10 @@ struct Joined {
 
 Joined join(const std::vector<TriangleMesh*>& parts) {
   Joined all;
+  size_t vertices = 0, triangles = 0;
+  for (const TriangleMesh* part : parts) vertices += part->vertices.size(), triangles += part->triangles.size();
+  all.vertices.reserve(vertices);
+  all.indices.reserve(3 * triangles);
   for (const TriangleMesh* part : parts) {
     const uint32_t base = static_cast<uint32_t>(all.vertices.size());
     all.first.push_back(base);

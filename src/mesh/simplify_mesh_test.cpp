@@ -153,6 +153,14 @@ TEST(SimplifyMesh, TilesThatShareNoVertexAreOneSurface) {
   EXPECT_LE(simplify_parts({&tiles}, {.error = 0.001}).after, 8u);
 }
 
+TEST(SimplifyMesh, PlacesThatDifferInTheSignOfZeroAreOne) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, -0.0f, 0}, {1, 1, 0}, {-0.0f, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  simplify_parts({&mesh}, {.triangles = 2});
+  EXPECT_THAT(mesh.vertices, testing::SizeIs(4));
+}
+
 TEST(SimplifyMesh, WithoutALimitIsAnError) {
   TriangleMesh mesh = square(2);
   EXPECT_THROW(simplify_parts({&mesh}, {}), Error);

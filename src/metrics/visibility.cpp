@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/kept_rows.h"
 #include "metrics/triangle_distance.h"
 
 namespace aligngs {
@@ -187,20 +188,25 @@ std::vector<uint8_t> seen_points(const RayScene& scene, const std::vector<Camera
 
 TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::vector<uint8_t>& keep) {
   constexpr uint32_t kUnused = 0xffffffffu;
-  TriangleMesh kept;
   std::vector<uint32_t> number(mesh.vertices.size(), kUnused);
+  size_t triangles = 0;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!keep[t]) continue;
+    ++triangles;
     for (const uint32_t v : mesh.triangles[t]) number[v] = 0;
   }
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (number[v] == kUnused) continue;
-    number[v] = static_cast<uint32_t>(kept.vertices.size());
-    kept.vertices.push_back(mesh.vertices[v]);
-    if (!mesh.normals.empty()) kept.normals.push_back(mesh.normals[v]);
-    if (!mesh.colors.empty()) kept.colors.push_back(mesh.colors[v]);
-    if (!mesh.labels.empty()) kept.labels.push_back(mesh.labels[v]);
+  std::vector<uint8_t> used(mesh.vertices.size());
+  uint32_t vertices = 0;
+  for (size_t v = 0; v < used.size(); ++v) {
+    used[v] = number[v] != kUnused;
+    if (used[v]) number[v] = vertices++;
   }
+  TriangleMesh kept;
+  kept.vertices = kept_rows(mesh.vertices, used, 1);
+  if (!mesh.normals.empty()) kept.normals = kept_rows(mesh.normals, used, 1);
+  if (!mesh.colors.empty()) kept.colors = kept_rows(mesh.colors, used, 1);
+  if (!mesh.labels.empty()) kept.labels = kept_rows(mesh.labels, used, 1);
+  kept.triangles.reserve(triangles);
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!keep[t]) continue;
     const auto& corner = mesh.triangles[t];

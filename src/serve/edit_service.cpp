@@ -192,8 +192,11 @@ std::string EditService::export_file(const std::string& request) {
   const Json asked = chosen ? text_fields(request, {"format", "without"}) : text_fields(request, {"format"});
   const std::string format = asked["format"].get<std::string>();
   require_export_format(format, run_export_formats());
+  EditSession& open = session();
+  std::unique_lock<std::mutex> turn;
+  if (options_.drawing != nullptr) turn = std::unique_lock(*options_.drawing);
   const RunExport made =
-      export_run(session(), format, chosen ? without(asked["without"].get<std::string>()) : RunExportOptions());
+      export_run(open, format, chosen ? without(asked["without"].get<std::string>()) : RunExportOptions());
   return json_line(Json{{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
 }
 

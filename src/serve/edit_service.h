@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <thread>
@@ -21,6 +22,8 @@ struct EditServiceOptions {
   int threads = 0;
   /// Tells the splats of a .ply file that the page has (SceneService::shown).
   std::function<std::shared_ptr<const ShownSplats>(const std::string& path)> shown;
+  /// Held during an export: what a picture takes and what an export takes are not needed at once. May be null.
+  std::mutex* drawing = nullptr;
   /// Gets the room whenever it has other edits than before. May be called on a thread of the service.
   std::function<void(const EditableRoom& room)> changed;
 };

@@ -140,10 +140,11 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   Similarity to;
   Vec3d offset;  // of original coordinates that 32-bit floats cannot hold
   if (out.aligned) {
-    elsewhere = aligned(room, measured->to_room);
+    elsewhere = aligned(without_row_names(room), measured->to_room);
     to = export_frame(measured->to_room);
   } else if (original_world) {
-    OffsetRoom original = in_original_coordinates(room, *original_world, scene_json, holds_mesh(format));
+    OffsetRoom original =
+        in_original_coordinates(without_row_names(room), *original_world, scene_json, holds_mesh(format));
     elsewhere = std::move(original.room);
     offset = original.offset;
     to = *original_world;
@@ -160,8 +161,9 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   parts.mesh.closed = options.closed;
   parts.mesh.texture_size = options.texture_size;
   if ((options.textured || format == "usdz") && !room.mesh.empty() && options.parts != RoomParts::kSplats) {
-    parts.mesh.photos = std::make_shared<const TexturePhotos>(
-        moved(load_texture_photos(session.scene(), session.original().mesh, session.pool()), to));
+    parts.mesh.photos = [&session, to] {
+      return moved(load_texture_photos(session.scene(), session.original().mesh, session.pool()), to);
+    };
     if (!parts.mesh.simplified()) parts.mesh.triangles = kTexturedTriangles;
   }
   out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/kept_rows.h"
 #include "gaussians/gaussian_geometry.h"
 #include "gaussians/soft_labels.h"
 
@@ -12,11 +13,6 @@ namespace {
 
 constexpr double kReach = 4;  // standard deviations; three are drawn
 constexpr double kSpare = 4;  // pixels beside the picture, as each Gaussian is drawn with a least size
-
-void append(std::vector<float>& to, const std::vector<float>& from, size_t row, size_t width) {
-  const auto begin = from.begin() + static_cast<ptrdiff_t>(row * width);
-  to.insert(to.end(), begin, begin + static_cast<ptrdiff_t>(width));
-}
 
 /// How far a place is outside of the view, in units of the scene: at most 0 inside.
 double outside(const Camera& camera, const Vec3d& p) {
@@ -29,20 +25,20 @@ double outside(const Camera& camera, const Vec3d& p) {
 }  // namespace
 
 GaussianModel seen_gaussians(const GaussianModel& model, const Camera& camera) {
-  GaussianModel seen;
-  seen.sh_degree = model.sh_degree;
+  std::vector<uint8_t> shown(model.size(), 0);
   for (size_t i = 0; i < model.size(); ++i) {
     if (opacity_of(model, i) < kInvisibleOpacity) continue;
     const float* s = &model.log_scales[3 * i];
-    if (outside(camera, camera.world_to_camera * position_of(model, i)) >
-        kReach * std::exp(*std::max_element(s, s + 3)))
-      continue;
-    append(seen.positions, model.positions, i, 3);
-    append(seen.log_scales, model.log_scales, i, 3);
-    append(seen.rotations, model.rotations, i, 4);
-    append(seen.opacity_logits, model.opacity_logits, i, 1);
-    append(seen.sh, model.sh, i, size_t(3) * kShCoefficients);
+    const double reach = kReach * std::exp(*std::max_element(s, s + 3));
+    shown[i] = outside(camera, camera.world_to_camera * position_of(model, i)) <= reach;
   }
+  GaussianModel seen;
+  seen.sh_degree = model.sh_degree;
+  seen.positions = kept_rows(model.positions, shown, 3);
+  seen.log_scales = kept_rows(model.log_scales, shown, 3);
+  seen.rotations = kept_rows(model.rotations, shown, 4);
+  seen.opacity_logits = kept_rows(model.opacity_logits, shown, 1);
+  seen.sh = kept_rows(model.sh, shown, size_t(3) * kShCoefficients);
   return seen;
 }
 

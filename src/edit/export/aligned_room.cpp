@@ -1,5 +1,7 @@
 #include "edit/export/aligned_room.h"
 
+#include <utility>
+
 #include "edit/export/moved_room.h"
 
 namespace aligngs {
@@ -9,8 +11,8 @@ Similarity export_frame(const Similarity& to_room) {
   return {to_room.scale, y_down * to_room.rotation, y_down * to_room.translation};
 }
 
-EditableRoom aligned(const EditableRoom& room, const Similarity& to_room) {
-  EditableRoom out = moved(room, export_frame(to_room));
+EditableRoom aligned(EditableRoom room, const Similarity& to_room) {
+  EditableRoom out = moved(std::move(room), export_frame(to_room));
   out.up = Vec3d{0, -1, 0};
   return out;
 }

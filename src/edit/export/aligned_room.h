@@ -11,6 +11,6 @@ namespace aligngs {
 Similarity export_frame(const Similarity& to_room);
 
 /// Gaussians, mesh and up in that world. Objects keep their names.
-EditableRoom aligned(const EditableRoom& room, const Similarity& to_room);
+EditableRoom aligned(EditableRoom room, const Similarity& to_room);
 
 }  // namespace aligngs

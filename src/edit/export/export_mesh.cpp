@@ -37,7 +37,7 @@ ExportMesh export_mesh(const EditableRoom& room, const MeshOptions& options, Thr
   }
   for (const ObjectMesh& object : out.objects) out.triangles += object.mesh.triangles.size();
   if (options.closed) out.open_edges = open_edges_of(out.objects);
-  if (options.photos) add_texture(out, room, *options.photos, options.texture_size, pool);
+  if (options.photos) add_texture(out, room, options.photos(), options.texture_size, pool);
   return out;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
+#include <functional>
 #include <optional>
 
 #include "edit/export/texture_photos.h"
@@ -17,8 +17,9 @@ struct MeshOptions {
   size_t triangles = 0;  ///< at most; 0: no limit
   double error = 0;      ///< units of the room, how far simplification may move the surface; 0: no limit
   bool closed = false;   ///< holes are closed, also where no photo has looked
-  std::shared_ptr<const TexturePhotos> photos{};  ///< a texture is made from them; none: colours of the vertices
-  int texture_size = 4096;                        ///< pixels, side of the texture at most
+  /// Reads the photos that a texture is made from, once all else is done; none: colours of the vertices.
+  std::function<TexturePhotos()> photos{};
+  int texture_size = 4096;  ///< pixels, side of the texture at most
 
   bool simplified() const { return triangles > 0 || error > 0; }
 };

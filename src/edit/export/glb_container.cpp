@@ -37,12 +37,22 @@ int GlbContainer::add(const char* array, nlohmann::ordered_json value) {
   return static_cast<int>(json_[array].size()) - 1;
 }
 
+size_t GlbContainer::add_bytes(const void* data, size_t bytes) {
+  const size_t place = bytes_;
+  std::string piece;
+  piece.reserve(bytes + 3);
+  piece.assign(static_cast<const char*>(data), bytes);
+  pad(piece, '\0');
+  bytes_ += piece.size();
+  buffer_.push_back(std::move(piece));
+  return place;
+}
+
 int GlbContainer::add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type,
                                bool normalized, int target) {
-  pad(buffer_, '\0');
+  const size_t place = add_bytes(data, bytes);
   const int view =
-      add("bufferViews", {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", bytes}, {"target", target}});
-  buffer_.append(static_cast<const char*>(data), bytes);
+      add("bufferViews", {{"buffer", 0}, {"byteOffset", place}, {"byteLength", bytes}, {"target", target}});
   nlohmann::ordered_json accessor = {
       {"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
   if (normalized) accessor["normalized"] = true;
@@ -79,9 +89,8 @@ int GlbContainer::add_indices(const std::vector<uint32_t>& indices) {
 
 int GlbContainer::add_texture(const std::vector<uint8_t>& file, const char* type) {
   constexpr int kLinear = 9729, kLinearMipmaps = 9987, kClampToEdge = 33071;
-  pad(buffer_, '\0');
-  const int view = add("bufferViews", {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", file.size()}});
-  buffer_.append(file.begin(), file.end());
+  const size_t place = add_bytes(file.data(), file.size());
+  const int view = add("bufferViews", {{"buffer", 0}, {"byteOffset", place}, {"byteLength", file.size()}});
   const int image = add("images", {{"name", "texture"}, {"bufferView", view}, {"mimeType", type}});
   const int sampler =
       add("samplers",
@@ -95,16 +104,15 @@ void GlbContainer::use_extension(const std::string& name) {
 }
 
 void GlbContainer::write(const std::filesystem::path& path) {
-  pad(buffer_, '\0');
-  json_["buffers"] = nlohmann::ordered_json::array({{{"byteLength", buffer_.size()}}});
+  json_["buffers"] = nlohmann::ordered_json::array({{{"byteLength", bytes_}}});
   // Empty arrays are not allowed.
   for (const char* array : {"materials", "meshes", "accessors", "bufferViews", "nodes"}) {
     if (json_.contains(array) && json_[array].empty()) json_.erase(array);
   }
-  if (buffer_.empty()) json_.erase("buffers");
+  if (bytes_ == 0) json_.erase("buffers");
   std::string text = json_line(json_);
   pad(text, ' ');
-  const uint64_t total = 12 + 8 + text.size() + (buffer_.empty() ? 0 : 8 + buffer_.size());
+  const uint64_t total = 12 + 8 + text.size() + (bytes_ == 0 ? 0 : 8 + bytes_);
   if (total > UINT32_MAX) {
     throw Error({ErrorKind::kFailed, "a GLB file holds at most 4 GiB", path, {}, "export the PLY or SPZ instead"});
   }
@@ -117,12 +125,12 @@ void GlbContainer::write(const std::filesystem::path& path) {
   AtomicFile file(path);
   file.write(head);
   file.write(text);
-  if (!buffer_.empty()) {
+  if (bytes_ > 0) {
     std::string chunk;
-    append_little(chunk, static_cast<uint32_t>(buffer_.size()));
+    append_little(chunk, static_cast<uint32_t>(bytes_));
     append_little(chunk, kBinaryChunk);
     file.write(chunk);
-    file.write(buffer_);
+    for (const std::string& piece : buffer_) file.write(piece);
   }
   file.commit();
 }

@@ -38,8 +38,12 @@ class GlbContainer {
   int add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type, bool normalized,
                    int target);
 
+  /// Begins a buffer view at a multiple of four bytes (glTF 2.0, section 3.6.2.4); returns its place in the buffer.
+  size_t add_bytes(const void* data, size_t bytes);
+
   nlohmann::ordered_json json_;
-  std::string buffer_;
+  std::vector<std::string> buffer_;  ///< the pieces of the buffer: one text would be copied each time that it grows
+  size_t bytes_ = 0;                 ///< of all pieces
 };
 
 /// Linear light of an sRGB value in [0, 1] (IEC 61966-2-1): glTF's COLOR_0 is linear.

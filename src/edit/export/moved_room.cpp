@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "edit/export/upright.h"
@@ -27,24 +28,35 @@ double size_of(const GaussianModel& model) {
 
 }  // namespace
 
-EditableRoom moved(const EditableRoom& room, const Similarity& to) {
-  EditableRoom out = room;
-  GaussianModel& model = out.gaussians.model;
-  model = rotated(room.gaussians.model, to.rotation);
+EditableRoom moved(EditableRoom room, const Similarity& to) {
+  GaussianModel& model = room.gaussians.model;
+  model = rotated(std::move(model), to.rotation);
   const float grown = static_cast<float>(std::log(to.scale));
   for (size_t i = 0; i < model.positions.size(); ++i) {
     model.positions[i] = static_cast<float>(to.scale * static_cast<double>(model.positions[i]) +
                                             to.translation[static_cast<int>(i % 3)]);
   }
   for (float& s : model.log_scales) s += grown;
-  out.gaussians.extent *= to.scale;
-  for (Vec3f& v : out.mesh.vertices) v = (to * v.cast<double>()).cast<float>();
-  for (Vec3f& n : out.mesh.normals) n = (to.rotation * n.cast<double>()).cast<float>();
-  if (out.up) out.up = to.rotation * *out.up;
-  return out;
+  room.gaussians.extent *= to.scale;
+  for (Vec3f& v : room.mesh.vertices) v = (to * v.cast<double>()).cast<float>();
+  for (Vec3f& n : room.mesh.normals) n = (to.rotation * n.cast<double>()).cast<float>();
+  if (room.up) room.up = to.rotation * *room.up;
+  return room;
 }
 
-OffsetRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original,
+EditableRoom without_row_names(const EditableRoom& room) {
+  return {.gaussians = room.gaussians,
+          .origins = {},
+          .mesh = room.mesh,
+          .mesh_rows = {},
+          .labels = room.labels,
+          .up = room.up,
+          .metric = room.metric,
+          .cameras = room.cameras,
+          .selections = room.selections};
+}
+
+OffsetRoom in_original_coordinates(EditableRoom room, const Similarity& to_original,
                                    const std::filesystem::path& scene_json, bool holds_offset) {
   constexpr double kLargestShare = 1e-4;  // of the room: half a millimetre in a room of five metres
   constexpr double kFewDigits = 10;       // times the room: texts have six digits
@@ -61,8 +73,8 @@ OffsetRoom in_original_coordinates(const EditableRoom& room, const Similarity& t
         "export glb, obj or usda, which hold the offset apart; or leave out --original-coordinates, and apply "
         "to_original of scene.json in the other program");
   }
-  if (fits) return {moved(room, to_original), Vec3d{}};
-  return {moved(room, {to_original.scale, to_original.rotation, Vec3d{}}), t};
+  if (fits) return {moved(std::move(room), to_original), Vec3d{}};
+  return {moved(std::move(room), {to_original.scale, to_original.rotation, Vec3d{}}), t};
 }
 
 }  // namespace aligngs

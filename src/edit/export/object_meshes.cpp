@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "core/chosen_rows.h"
 #include "gaussians/point_tree.h"
 
 namespace aligngs {
@@ -82,6 +83,7 @@ std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGa
       object.name = fmt::format("{}.{:03}", object.class_name, object.instance);
     }
     std::vector<uint32_t> used;
+    object.mesh.triangles.reserve(members.size());
     for (const uint32_t t : members) {
       std::array<uint32_t, 3> triangle;
       for (size_t k = 0; k < 3; ++k) {
@@ -89,15 +91,15 @@ std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGa
         if (moved[v] == 0xffffffffu) {
           moved[v] = static_cast<uint32_t>(used.size());
           used.push_back(v);
-          object.mesh.vertices.push_back(mesh.vertices[v]);
-          if (!mesh.normals.empty()) object.mesh.normals.push_back(mesh.normals[v]);
-          if (!mesh.colors.empty()) object.mesh.colors.push_back(mesh.colors[v]);
         }
         triangle[k] = moved[v];
       }
       object.mesh.triangles.push_back(triangle);
     }
     for (const uint32_t v : used) moved[v] = 0xffffffffu;
+    object.mesh.vertices = chosen_rows(mesh.vertices, used);
+    if (!mesh.normals.empty()) object.mesh.normals = chosen_rows(mesh.normals, used);
+    if (!mesh.colors.empty()) object.mesh.colors = chosen_rows(mesh.colors, used);
     out.push_back(std::move(object));
   }
   return out;

@@ -152,7 +152,7 @@ TEST_F(SceneExport, TheCollisionMeshHasPlacesAndTrianglesAlone) {
 }
 
 TEST_F(SceneExport, ATexturedGlbHasOnePictureForAllObjects) {
-  MeshOptions mesh{.error = 0.001, .photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_))};
+  MeshOptions mesh{.error = 0.001, .photos = [&] { return painted::photos(room_.mesh, pool_); }};
   export_room(room_, "glb", file("textured.glb"), pool_, {.parts = RoomParts::kMesh, .mesh = mesh});
   const nlohmann::json glb = json_of_glb(file("textured.glb"));
   EXPECT_EQ(glb["images"].size(), 1u);
@@ -164,7 +164,7 @@ TEST_F(SceneExport, ATexturedGlbHasOnePictureForAllObjects) {
 }
 
 TEST_F(SceneExport, ATexturedObjNamesItsFiles) {
-  MeshOptions mesh{.error = 0.001, .photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_))};
+  MeshOptions mesh{.error = 0.001, .photos = [&] { return painted::photos(room_.mesh, pool_); }};
   const ExportReport report = export_room(room_, "obj", file("textured.obj"), pool_, {.mesh = mesh});
   ASSERT_EQ(report.files.size(), 3u);
   EXPECT_THAT(read_file(file("textured.obj")), HasSubstr("mtllib textured.mtl\nusemtl photos\n"));
@@ -173,7 +173,7 @@ TEST_F(SceneExport, ATexturedObjNamesItsFiles) {
 }
 
 TEST_F(SceneExport, UsdzIsStoredAndAligned) {
-  MeshOptions mesh{.error = 0.001, .photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_))};
+  MeshOptions mesh{.error = 0.001, .photos = [&] { return painted::photos(room_.mesh, pool_); }};
   export_room(room_, "usdz", file("room.usdz"), pool_, {.mesh = mesh});
   const std::string bytes = read_file(file("room.usdz"));
   const ZipArchive zip(file_source(file("room.usdz")));

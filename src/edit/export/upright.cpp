@@ -49,32 +49,32 @@ std::array<double, 16> root_matrix(const Mat3d& rotation, const Vec3d& offset) {
   return m;
 }
 
-GaussianModel rotated(const GaussianModel& model, const Mat3d& rotation) {
-  GaussianModel out = model;
+GaussianModel rotated(GaussianModel model, const Mat3d& rotation) {
   Eigen::MatrixXd turn[kMaxShDegree + 1];
   for (int degree = 1; degree <= kMaxShDegree; ++degree) turn[degree] = harmonic_rotation(degree, rotation);
   for (size_t i = 0; i < model.size(); ++i) {
     const Vec3d p = rotation * Vec3d{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
-    const float* r = &model.rotations[4 * i];
+    for (int a = 0; a < 3; ++a) model.positions[3 * i + static_cast<size_t>(a)] = static_cast<float>(p[a]);
+    float* r = &model.rotations[4 * i];
     const Quaterniond q = quaternion_of(rotation * rotation_matrix(normalized(Quaterniond{r[0], r[1], r[2], r[3]})));
-    for (int a = 0; a < 3; ++a) out.positions[3 * i + static_cast<size_t>(a)] = static_cast<float>(p[a]);
     const float turned[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y),
                              static_cast<float>(q.z)};
-    std::copy_n(turned, 4, &out.rotations[4 * i]);
-    const float* sh = &model.sh[size_t(3) * kShCoefficients * i];
-    float* target = &out.sh[size_t(3) * kShCoefficients * i];
+    std::copy_n(turned, 4, r);
+    float* target = &model.sh[size_t(3) * kShCoefficients * i];
+    std::array<float, size_t(3) * kShCoefficients> sh;
+    std::copy_n(target, sh.size(), sh.begin());
     for (int degree = 1; degree <= kMaxShDegree; ++degree) {
       const int first = degree * degree, width = 2 * degree + 1;
       for (int c = 0; c < 3; ++c) {
         for (int k = 0; k < width; ++k) {
           double sum = 0;
-          for (int j = 0; j < width; ++j) sum += turn[degree](k, j) * sh[3 * (first + j) + c];
+          for (int j = 0; j < width; ++j) sum += turn[degree](k, j) * sh[static_cast<size_t>(3 * (first + j) + c)];
           target[3 * (first + k) + c] = static_cast<float>(sum);
         }
       }
     }
   }
-  return out;
+  return model;
 }
 
 }  // namespace aligngs

@@ -16,7 +16,8 @@ Mat3d rotation_to_y_up(const std::optional<Vec3d>& up);
 /// The matrix of a root node that adds an offset and then turns as `rotation` does: rows of 4, for column vectors.
 std::array<double, 16> root_matrix(const Mat3d& rotation, const Vec3d& offset);
 
-/// Positions, orientations and spherical harmonics of a model, rotated.
-GaussianModel rotated(const GaussianModel& model, const Mat3d& rotation);
+/// Positions, orientations and spherical harmonics of a model, rotated. A caller that needs the model no longer moves it
+/// here, and nothing is copied.
+GaussianModel rotated(GaussianModel model, const Mat3d& rotation);
 
 }  // namespace aligngs
