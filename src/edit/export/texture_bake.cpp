@@ -13,45 +13,41 @@ namespace {
 
 constexpr uint32_t kNone = 0xffffffffu;
 
-/// The surface at each texel of the picture.
+/// The surface at each texel of a chart's rectangle, row by row.
 struct Texels {
-  std::vector<uint32_t> triangle;  ///< kNone: no chart
+  std::vector<uint32_t> triangle;  ///< kNone: no surface
   std::vector<Vec3f> place, normal;
 };
 
 /// Texels around a chart continue its surface, so that viewers blend it with nothing else.
-Texels place_texels(const TriangleMesh& mesh, const Atlas& atlas, ThreadPool& pool) {
-  const size_t count = static_cast<size_t>(atlas.width) * static_cast<size_t>(atlas.height);
+Texels place_texels(const TriangleMesh& mesh, const Atlas& atlas, const Chart& chart) {
+  const size_t count = static_cast<size_t>(chart.width) * static_cast<size_t>(chart.height);
   Texels out{std::vector<uint32_t>(count, kNone), std::vector<Vec3f>(count), std::vector<Vec3f>(count)};
-  pool.parallel_for(atlas.charts.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t c = begin; c < end; ++c) {
-      const Chart& chart = atlas.charts[c];
-      for (const double margin : {0.0, 1.5}) {
-        for (const uint32_t t : chart.triangles) {
-          std::array<std::array<double, 2>, 3> corners;
-          for (size_t i = 0; i < 3; ++i) corners[i] = {atlas.corners[t][i][0], atlas.corners[t][i][1]};
-          const auto& v = mesh.triangles[t];
-          const Vec3d a = mesh.vertices[v[0]].cast<double>(), b = mesh.vertices[v[1]].cast<double>(),
-                      d = mesh.vertices[v[2]].cast<double>();
-          const Vec3d face = cross(b - a, d - a);
-          for_cells(corners, margin, [&](int x, int y, const std::array<double, 3>& w) {
-            if (x < chart.x || y < chart.y || x >= chart.x + chart.width || y >= chart.y + chart.height) return;
-            const size_t at = static_cast<size_t>(y) * static_cast<size_t>(atlas.width) + static_cast<size_t>(x);
-            if (out.triangle[at] != kNone) return;
-            out.triangle[at] = t;
-            out.place[at] = (a * w[0] + b * w[1] + d * w[2]).cast<float>();
-            Vec3d n = face;
-            if (!mesh.normals.empty()) {
-              const Vec3d smooth = mesh.normals[v[0]].cast<double>() * w[0] + mesh.normals[v[1]].cast<double>() * w[1] +
-                                   mesh.normals[v[2]].cast<double>() * w[2];
-              if (dot(smooth, face) > 0) n = smooth;
-            }
-            out.normal[at] = (n * (1 / std::max(norm(n), 1e-30))).cast<float>();
-          });
+  for (const double margin : {0.0, 1.5}) {
+    for (const uint32_t t : chart.triangles) {
+      std::array<std::array<double, 2>, 3> corners;
+      for (size_t i = 0; i < 3; ++i) corners[i] = {atlas.corners[t][i][0], atlas.corners[t][i][1]};
+      const auto& v = mesh.triangles[t];
+      const Vec3d a = mesh.vertices[v[0]].cast<double>(), b = mesh.vertices[v[1]].cast<double>(),
+                  d = mesh.vertices[v[2]].cast<double>();
+      const Vec3d face = cross(b - a, d - a);
+      for_cells(corners, margin, [&](int x, int y, const std::array<double, 3>& w) {
+        if (x < chart.x || y < chart.y || x >= chart.x + chart.width || y >= chart.y + chart.height) return;
+        const size_t at =
+            static_cast<size_t>(y - chart.y) * static_cast<size_t>(chart.width) + static_cast<size_t>(x - chart.x);
+        if (out.triangle[at] != kNone) return;
+        out.triangle[at] = t;
+        out.place[at] = (a * w[0] + b * w[1] + d * w[2]).cast<float>();
+        Vec3d n = face;
+        if (!mesh.normals.empty()) {
+          const Vec3d smooth = mesh.normals[v[0]].cast<double>() * w[0] + mesh.normals[v[1]].cast<double>() * w[1] +
+                               mesh.normals[v[2]].cast<double>() * w[2];
+          if (dot(smooth, face) > 0) n = smooth;
         }
-      }
+        out.normal[at] = (n * (1 / std::max(norm(n), 1e-30))).cast<float>();
+      });
     }
-  });
+  }
   return out;
 }
 
@@ -118,7 +114,6 @@ Patches patches_of(const Atlas& atlas, int size) {
 Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const std::vector<uint8_t>& photographed,
                             const TexturePhotos& photos, const GaussianModel& splats, double extent, ThreadPool& pool,
                             const BakeSettings& settings, BakeReport* report) {
-  const Texels texels = place_texels(mesh, atlas, pool);
   const SplatColor splat_color(splats);
   const std::vector<PhotoWeight> weights = photo_weights(photos, extent, atlas.texel, settings, pool);
   const Patches patches = patches_of(atlas, settings.patch);
@@ -130,6 +125,7 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
     std::vector<PointTree::Neighbour> scratch;
     for (size_t c = begin; c < end; ++c) {
       const Chart& chart = atlas.charts[c];
+      const Texels texels = place_texels(mesh, atlas, chart);
       const int columns = patches.columns[c], rows = (chart.height + settings.patch - 1) / settings.patch;
       // The photos of each patch: those with the largest sums of weights.
       std::vector<std::vector<uint8_t>> chosen(static_cast<size_t>(columns) * static_cast<size_t>(rows),
@@ -141,7 +137,7 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
                     y1 = std::min(chart.height, (row + 1) * settings.patch);
           for (int y = row * settings.patch; y < y1; ++y) {
             for (int x = column * settings.patch; x < x1; ++x) {
-              const size_t at = static_cast<size_t>(chart.y + y) * width + static_cast<size_t>(chart.x + x);
+              const size_t at = static_cast<size_t>(y) * static_cast<size_t>(chart.width) + static_cast<size_t>(x);
               if (texels.triangle[at] == kNone || !photographed[texels.triangle[at]]) continue;
               for (size_t v = 0; v < weights.size(); ++v)
                 sum[v] += weights[v].at(texels.place[at], texels.normal[at]).weight;
@@ -158,7 +154,7 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
       }
       for (int y = 0; y < chart.height; ++y) {
         for (int x = 0; x < chart.width; ++x) {
-          const size_t at = static_cast<size_t>(chart.y + y) * width + static_cast<size_t>(chart.x + x);
+          const size_t at = static_cast<size_t>(y) * static_cast<size_t>(chart.width) + static_cast<size_t>(x);
           if (texels.triangle[at] == kNone) continue;
           ++all[c];
           Vec3d color;
@@ -188,8 +184,9 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
             color += splat_color.at(texels.place[at], scratch).cast<double>() * settings.splat_weight;
             sum += settings.splat_weight;
           }
+          const size_t pixel = static_cast<size_t>(chart.y + y) * width + static_cast<size_t>(chart.x + x);
           for (int k = 0; k < 3; ++k)
-            out.data[3 * at + static_cast<size_t>(k)] =
+            out.data[3 * pixel + static_cast<size_t>(k)] =
                 static_cast<uint8_t>(std::lround(255 * std::clamp(color[k] / sum, 0.0, 1.0)));
         }
       }
