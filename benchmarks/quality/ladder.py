@@ -266,8 +266,6 @@ def main():
                 if again and key not in results.setdefault(again, {}):
                     results[again][key] = fused_as_default(output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder)
             folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS]
-            for folder in (f for f in folders if (f / "metrics.json").exists()):  # the largest part of a run, and done with
-                shutil.rmtree(folder / "checkpoints", ignore_errors=True)
             write_page(folders, output / f"{room}_{room_seed}_{seed}.html")
             if not arguments.keep_scenes:
                 for scene in (output / "scenes").glob(f"{room}_{room_seed}_{seed}_*"):

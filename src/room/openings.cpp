@@ -13,6 +13,8 @@ struct Rectangle {
   int left = 0, right = 0, bottom = 0, top = 0;  // squares; right and top are excluded
 };
 
+size_t number(OpeningKind kind) { return static_cast<size_t>(kind); }
+
 struct Mask {
   int columns = 0, rows = 0;
   std::vector<uint8_t> own, seen;
@@ -26,7 +28,7 @@ Mask mask_of(const WallVotes& votes, OpeningKind kind, double agreement) {
             std::vector<uint8_t>(votes.wall.size())};
   const bool hole = kind == OpeningKind::kDoor || kind == OpeningKind::kWindow;
   for (size_t i = 0; i < votes.wall.size(); ++i) {
-    const float all = votes.total(i), named = votes.kinds[static_cast<size_t>(kind)][i];
+    const float all = votes.total(i), named = votes.kinds[number(kind)][i];
     mask.seen[i] = all > 0;
     // The niche of a window and the room behind a door are seen through the wall.
     const float own = named + (hole ? votes.beyond[i] : 0);
@@ -103,6 +105,36 @@ Rectangle drawn_in(const Mask& mask, Rectangle r, double share) {
   return r;
 }
 
+/// Pictures that lie in a niche are windows: their votes become votes for the first class of windows.
+WallVotes with_windows_in_niches(WallVotes votes, const LabelSet& labels, const OpeningSettings& s) {
+  const std::vector<RoomClass> classes = room_classes(labels);
+  const auto window = std::find_if(classes.begin(), classes.end(),
+                                   [](const RoomClass& c) { return c.opening == OpeningKind::kWindow; });
+  if (window == classes.end()) return votes;
+  const Mask mask = mask_of(votes, OpeningKind::kPicture, s.agreement);
+  std::vector<float>&pictures = votes.kinds[number(OpeningKind::kPicture)],
+  &windows = votes.kinds[number(OpeningKind::kWindow)];
+  for (const Rectangle& r : groups(mask, s.gap)) {
+    double depth = 0, count = 0;
+    for (int y = r.bottom; y < r.top; ++y) {
+      for (int x = r.left; x < r.right; ++x) {
+        depth += votes.picture_depth[votes.index(x, y)];
+        count += pictures[votes.index(x, y)];
+      }
+    }
+    if (!(depth > s.niche * count)) continue;
+    for (int y = r.bottom; y < r.top; ++y) {
+      for (int x = r.left; x < r.right; ++x) {
+        const size_t i = votes.index(x, y);
+        if (pictures[i] > 0) votes.labels[i] = static_cast<int>(window - classes.begin());
+        windows[i] += pictures[i];
+        pictures[i] = 0;
+      }
+    }
+  }
+  return votes;
+}
+
 /// The class that most votes of the kind in a rectangle have, and whether there are any.
 int class_in(const WallVotes& votes, OpeningKind kind, const Rectangle& r, double& share) {
   std::map<int, double> by_class;
@@ -110,7 +142,7 @@ int class_in(const WallVotes& votes, OpeningKind kind, const Rectangle& r, doubl
   for (int y = r.bottom; y < r.top; ++y) {
     for (int x = r.left; x < r.right; ++x) {
       const size_t i = votes.index(x, y);
-      const float own = votes.kinds[static_cast<size_t>(kind)][i];
+      const float own = votes.kinds[number(kind)][i];
       named += own;
       all += votes.total(i);
       if (own > 0 && votes.labels[i] >= 0) by_class[votes.labels[i]] += own;
@@ -126,8 +158,9 @@ int class_in(const WallVotes& votes, OpeningKind kind, const Rectangle& r, doubl
 
 }  // namespace
 
-std::vector<MeasuredOpening> find_openings(const WallVotes& votes, int wall, const LabelSet& labels,
+std::vector<MeasuredOpening> find_openings(const WallVotes& counted, int wall, const LabelSet& labels,
                                            const OpeningSettings& s) {
+  const WallVotes votes = with_windows_in_niches(counted, labels, s);
   std::vector<MeasuredOpening> out;
   for (const OpeningKind kind :
        {OpeningKind::kDoor, OpeningKind::kWindow, OpeningKind::kPicture, OpeningKind::kMirror}) {

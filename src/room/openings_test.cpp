@@ -67,6 +67,27 @@ TEST(Openings, TheNicheOfAWindowBelongsToIt) {
   EXPECT_NEAR(found[0].bottom, 1, 0.03);
 }
 
+// A teacher that takes the view of a window for a painting is corrected by where the pane lies.
+TEST(Openings, APaintingInANicheIsAWindow) {
+  const auto in = [](double x, double z) { return x > 1 && x < 2.4 && z > 0.9 && z < 2.1; };
+  const WallVotes votes = votes_of([&](double x, double z) { return in(x, z) ? kPaintingClass : kWallClass; },
+                                   [&](double x, double z) { return in(x, z) ? 0.1 : 0.0; });
+  const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, OpeningKind::kWindow);
+  EXPECT_EQ(found[0].class_name, "windowpane");
+  EXPECT_NEAR(found[0].right, 2.4, 0.03);
+}
+
+TEST(Openings, APaintingOnAWallThatIsTwoCentimetresOffStaysOne) {
+  const auto in = [](double x, double z) { return x > 1 && x < 2.4 && z > 0.9 && z < 2.1; };
+  const WallVotes votes = votes_of([&](double x, double z) { return in(x, z) ? kPaintingClass : kWallClass; },
+                                   [](double, double) { return 0.02; });
+  const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, OpeningKind::kPicture);
+}
+
 TEST(Openings, ADoorReachesTheFloor) {
   const WallVotes votes = votes_of(
       [](double x, double z) { return x > 1 && x < 1.9 && z > 0.08 && z < 2 ? kDoorClass : kWallClass; }, kOnWall);
