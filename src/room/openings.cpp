@@ -105,30 +105,33 @@ Rectangle drawn_in(const Mask& mask, Rectangle r, double share) {
   return r;
 }
 
-/// Pictures that lie in a niche are windows: their votes become votes for the first class of windows.
+/// Sum of a map over a rectangle.
+double sum_in(const WallVotes& votes, const std::vector<float>& map, const Rectangle& r) {
+  double sum = 0;
+  for (int y = r.bottom; y < r.top; ++y) {
+    for (int x = r.left; x < r.right; ++x) sum += map[votes.index(x, y)];
+  }
+  return sum;
+}
+
+/// Pictures and mirrors that lie in a niche are windows: their votes become votes for the first class of windows.
 WallVotes with_windows_in_niches(WallVotes votes, const LabelSet& labels, const OpeningSettings& s) {
   const std::vector<RoomClass> classes = room_classes(labels);
   const auto window = std::find_if(classes.begin(), classes.end(),
                                    [](const RoomClass& c) { return c.opening == OpeningKind::kWindow; });
   if (window == classes.end()) return votes;
-  const Mask mask = mask_of(votes, OpeningKind::kPicture, s.agreement);
-  std::vector<float>&pictures = votes.kinds[number(OpeningKind::kPicture)],
-  &windows = votes.kinds[number(OpeningKind::kWindow)];
-  for (const Rectangle& r : groups(mask, s.gap)) {
-    double depth = 0, count = 0;
-    for (int y = r.bottom; y < r.top; ++y) {
-      for (int x = r.left; x < r.right; ++x) {
-        depth += votes.picture_depth[votes.index(x, y)];
-        count += pictures[votes.index(x, y)];
-      }
-    }
-    if (!(depth > s.niche * count)) continue;
-    for (int y = r.bottom; y < r.top; ++y) {
-      for (int x = r.left; x < r.right; ++x) {
-        const size_t i = votes.index(x, y);
-        if (pictures[i] > 0) votes.labels[i] = static_cast<int>(window - classes.begin());
-        windows[i] += pictures[i];
-        pictures[i] = 0;
+  for (const OpeningKind kind : {OpeningKind::kPicture, OpeningKind::kMirror}) {
+    std::vector<float>& own = votes.kinds[number(kind)];
+    for (const Rectangle& r : groups(mask_of(votes, kind, s.agreement), s.gap)) {
+      const double depth = sum_in(votes, votes.depth[number(kind)], r) / sum_in(votes, own, r);
+      if (!(depth > s.niche && depth < s.deepest_niche)) continue;
+      for (int y = r.bottom; y < r.top; ++y) {
+        for (int x = r.left; x < r.right; ++x) {
+          const size_t i = votes.index(x, y);
+          if (own[i] > 0) votes.labels[i] = static_cast<int>(window - classes.begin());
+          votes.kinds[number(OpeningKind::kWindow)][i] += own[i];
+          own[i] = 0;
+        }
       }
     }
   }

@@ -15,8 +15,9 @@ struct OpeningSettings {
   double least_filled = 0.5;   ///< share of a rectangle's seen squares that are of the kind
   double side_share = 0.5;     ///< of the squares along a side of the rectangle that must be of the kind
   double snap_to_floor = 0.2;  ///< metres: a door this near to the floor reaches it
-  /// Metres: a picture hangs on its wall. One that lies farther behind it is a window's pane in its niche.
+  /// Metres: pictures and mirrors hang on their wall. One that lies farther behind it is a window's pane in its niche.
   double niche = 0.05;
+  double deepest_niche = 0.3;  ///< metres, of a thick outer wall; what a mirror reflects lies farther behind it
 };
 
 /// The rectangles on wall number `wall`, largest first by kind. A side with few squares of the kind is drawn in. The

@@ -9,7 +9,8 @@
 namespace aligngs {
 namespace {
 
-constexpr uint16_t kWallClass = 0, kPaneClass = 8, kDoorClass = 14, kPaintingClass = 22;  // ADE20K
+constexpr uint16_t kWallClass = 0, kPaneClass = 8, kDoorClass = 14, kPaintingClass = 22,
+                   kMirrorClass = 27;  // ADE20K
 
 /// One wall 4 m long and 2.5 m high along y = 0, seen from 2 m before it. `label_at` gives the label of each place,
 /// `behind` its distance behind the wall.
@@ -86,6 +87,24 @@ TEST(Openings, APaintingOnAWallThatIsTwoCentimetresOffStaysOne) {
   const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, OpeningKind::kPicture);
+}
+
+TEST(Openings, AMirrorInANicheIsAWindow) {
+  const auto in = [](double x, double z) { return x > 1 && x < 2.4 && z > 0.9 && z < 2.1; };
+  const WallVotes votes = votes_of([&](double x, double z) { return in(x, z) ? kMirrorClass : kWallClass; },
+                                   [&](double x, double z) { return in(x, z) ? 0.15 : 0.0; });
+  const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, OpeningKind::kWindow);
+}
+
+TEST(Openings, AMirrorThatShowsTheRoomBehindItStaysOne) {
+  const auto in = [](double x, double z) { return x > 1 && x < 2.4 && z > 0.9 && z < 2.1; };
+  const WallVotes votes = votes_of([&](double x, double z) { return in(x, z) ? kMirrorClass : kWallClass; },
+                                   [&](double x, double z) { return in(x, z) ? 2.0 : 0.0; });
+  const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, OpeningKind::kMirror);
 }
 
 TEST(Openings, ADoorReachesTheFloor) {

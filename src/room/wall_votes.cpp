@@ -54,7 +54,7 @@ void vote(WallVotes& votes, const SeenRay& ray, const RoomClass& c, double behin
   if (c.opening && (c.glass || behind < s.proud)) {
     votes.kinds[static_cast<size_t>(*c.opening)][i] += 1;
     votes.labels[i] = ray.label;
-    if (c.opening == OpeningKind::kPicture) votes.picture_depth[i] += static_cast<float>(behind);
+    votes.depth[static_cast<size_t>(*c.opening)][i] += static_cast<float>(behind);
   } else if (behind > s.beyond) {
     votes.beyond[i] += 1;
   } else if (c.wall) {
@@ -80,9 +80,9 @@ std::vector<WallVotes> wall_votes(const std::vector<MeasuredWall>& walls, const 
     out[w].rows = static_cast<int>(rows);
     const size_t squares = static_cast<size_t>(columns) * static_cast<size_t>(rows);
     for (auto& kind : out[w].kinds) kind.assign(squares, 0);
+    for (auto& kind : out[w].depth) kind.assign(squares, 0);
     out[w].wall.assign(squares, 0);
     out[w].beyond.assign(squares, 0);
-    out[w].picture_depth.assign(squares, 0);
     out[w].labels.assign(squares, -1);
   }
   for (const SeenRay& ray : rays) {

@@ -22,9 +22,9 @@ struct WallVotes {
   double cell = 1;
   int columns = 0, rows = 0;
   std::array<std::vector<float>, 4> kinds;  ///< per OpeningKind
+  std::array<std::vector<float>, 4> depth;  ///< metres behind the wall, summed over the votes of each kind
   std::vector<float> wall;                  ///< the wall itself, and what is on it without being an opening
   std::vector<float> beyond;                ///< seen through it
-  std::vector<float> picture_depth;         ///< metres behind the wall, summed over the votes for pictures
   std::vector<int> labels;                  ///< per opening vote the last class, -1 without
   size_t index(int column, int row) const {
     return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column);
