@@ -25,11 +25,13 @@ constexpr size_t kGather = 256;
 /// How far ahead the gather asks for a splat: a miss of the last-level cache lasts about this many copies.
 constexpr size_t kPrefetch = 12;
 constexpr int kStripRows = kStripPixels / kBlockSize;
+static_assert(kTileSize == 2 * kBlockSize);
 /// A list may be written a whole vector beyond its last entry.
 constexpr size_t kListLength = kGather + kLanes;
 
-/// Appends the numbers of the Gaussians that each strip can reach; counts[strip] is the length of its list.
-void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, uint32_t* lists, size_t* counts) {
+/// Appends the numbers of the Gaussians that each strip of `open` can reach; counts[strip] is the length of its list.
+void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, const bool* open, uint32_t* lists,
+                 size_t* counts) {
   const FloatTag d;
   const hn::RebindToUnsigned<FloatTag> du;
   for (size_t first = 0; first < count; first += kLanes) {
@@ -37,13 +39,18 @@ void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, 
     const OverlapLanes lanes = overlap_lanes(splats + first, n);
     const auto indices = hn::Iota(du, static_cast<uint32_t>(first));
     const auto real = hn::FirstN(d, n);
-    for (int strip = 0; strip < kTileStrips; ++strip) {
-      const int block = strip / kBlockStrips;
-      const float left = tile_x + static_cast<float>((block & 1) * kBlockSize);
-      const float top = tile_y + static_cast<float>((block >> 1) * kBlockSize + strip % kBlockStrips * kStripRows);
-      const auto hit = hn::And(real, reaches_box(lanes, left, top, kBlockSize, kStripRows));
-      counts[strip] +=
-          hn::CompressBlendedStore(indices, hn::RebindMask(du, hit), du, lists + strip * kListLength + counts[strip]);
+    const BoxColumns columns[2] = {box_columns(lanes, tile_x, kBlockSize),
+                                   box_columns(lanes, tile_x + kBlockSize, kBlockSize)};
+    for (int row = 0; row < kTileStrips / 2; ++row) {
+      const BoxRows rows = box_rows(lanes, tile_y + static_cast<float>(row * kStripRows), kStripRows);
+      for (int column = 0; column < 2; ++column) {
+        const int strip = (row / kBlockStrips * 2 + column) * kBlockStrips + row % kBlockStrips;
+        if (!open[strip]) continue;
+        const auto hit = hn::RebindMask(du, hn::And(real, reaches_box(lanes, columns[column], rows)));
+        // The whole vector: a store of its first lanes alone takes many times as long on some processors.
+        hn::StoreU(hn::Compress(indices, hit), du, lists + strip * kListLength + counts[strip]);
+        counts[strip] += hn::CountTrue(du, hit);
+      }
     }
   }
 }
@@ -171,7 +178,8 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
       out.splats[i] = view.splats[list[first + i]];
     }
     size_t counts[kStrips] = {};
-    list_strips(out.splats.data(), n, static_cast<float>(left), static_cast<float>(top), out.lists.data(), counts);
+    list_strips(out.splats.data(), n, static_cast<float>(left), static_cast<float>(top), open, out.lists.data(),
+                counts);
     const GatheredSplats batch{out.splats.data(), out.strips.data() + first, static_cast<int32_t>(first) + 1};
     any = false;
     for (int strip = 0; strip < kStrips; ++strip) {
