@@ -42,6 +42,8 @@ struct RenderOptions {
   SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
   bool geometry = true;  ///< normal and depth maps
   bool labels = false;   ///< arg-max label and its probability
+  /// Nothing but depth_median is asked for: an engine may leave out all other maps.
+  bool median_only = false;
 };
 
 /// Maps are at the camera's size. "Nothing here" is alpha < 0.5, never a class and never a depth.

@@ -42,6 +42,9 @@ std::optional<Patch> carry_over(const MatchView& from, int x, int y, const Match
   if (!(middle > 0) || !std::isfinite(middle)) return {};
   const Rigidd to_other = to.camera.world_to_camera * from.camera.world_to_camera.inverse();
   Patch patch;
+  const size_t side = static_cast<size_t>(2 * s.half_patch + 1);
+  patch.place.reserve(side * side);
+  patch.value.reserve(side * side);
   double sum = 0, squares = 0;
   for (int v = y - s.half_patch; v <= y + s.half_patch; ++v) {
     for (int u = x - s.half_patch; u <= x + s.half_patch; ++u) {

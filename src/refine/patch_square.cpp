@@ -36,6 +36,19 @@ void add_placed_taps(const PlacedTap* taps, size_t count, const float* numbers, 
   store(sums, out);
 }
 
+/// Numbers at even places, and those at odd ones.
+ALIGNGS_TARGET_CLONES
+void split_columns(const float* numbers, int count, float* even_out, float* odd_out) {
+  const float* __restrict in = numbers;
+  float* __restrict even = even_out;
+  float* __restrict odd = odd_out;
+  for (int i = 0; i < count / 2; ++i) {
+    even[i] = in[2 * i];
+    odd[i] = in[2 * i + 1];
+  }
+  if (count % 2 != 0) even[count / 2] = in[count - 1];
+}
+
 /// The first place among `count`, a step of two apart from `first` on, that lies at `least` or beyond.
 int first_inside(int first, int least, int count) { return std::clamp((least - first + 1) / 2, 0, count); }
 /// One past the last that lies at `most` or before.
@@ -58,8 +71,8 @@ std::vector<double> ShiftedScores::every_second(int reach) const {
   const ptrdiff_t half = width / 2 + 1 + kLanes;  // lanes beyond the last shift are read, and not used
   std::vector<float> copy(static_cast<size_t>(2 * half * height), 0.0f);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x)
-      copy[static_cast<size_t>((2 * y + (x & 1)) * half + x / 2)] = luma_.at(x0 + x, y0 + y);
+    float* const even = &copy[static_cast<size_t>(2 * y * half)];
+    split_columns(luma_.pixel(x0, y0 + y), width, even, even + half);
   }
   std::vector<PlacedTap> taps;
   taps.reserve(taps_.size());

@@ -1,5 +1,6 @@
 #include "refine/sweep_rows.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -10,6 +11,13 @@ namespace aligngs {
 namespace {
 
 constexpr float kFlatShare = 0.25f;  // of the least variance: the other photo may be darker, not featureless
+constexpr int kUsualTerms = 7;       // rows of the usual window
+
+ALIGNGS_ALWAYS_INLINE FloatLanes lanes_at(const float* from) {
+  FloatLanes out;
+  std::memcpy(&out, from, sizeof(out));
+  return out;
+}
 
 // No branches: every pixel is computed, and those that do not count are multiplied away. Places are kept inside of the
 // photo first, so that what is read is always there. The compiler believes only of parameters that they do not overlap.
@@ -54,20 +62,30 @@ void warp_row(const WarpedRow& row, int count, const WindowTerms& out) {
 }
 
 ALIGNGS_TARGET_CLONES
-void sum_strided(const float* in, size_t stride, int terms, int count, float* out) {
+void sum_rows(const float* const* rows, int terms, int count, float* out) {
   int i = 0;
-  for (; i + kLanes <= count; i += kLanes) {  // sums stay in registers
-    FloatLanes sum, next;
-    std::memcpy(&sum, in + i, sizeof(sum));
-    for (int term = 1; term < terms; ++term) {
-      std::memcpy(&next, in + static_cast<size_t>(term) * stride + static_cast<size_t>(i), sizeof(next));
-      sum += next;
+  if (terms == kUsualTerms) {
+    const float *const a = rows[0], *const b = rows[1], *const c = rows[2], *const d = rows[3], *const e = rows[4],
+                       *const f = rows[5], *const g = rows[6];
+    for (; i + kLanes <= count; i += kLanes) {
+      FloatLanes sum = lanes_at(a + i);
+      sum += lanes_at(b + i);
+      sum += lanes_at(c + i);
+      sum += lanes_at(d + i);
+      sum += lanes_at(e + i);
+      sum += lanes_at(f + i);
+      sum += lanes_at(g + i);
+      std::memcpy(out + i, &sum, sizeof(sum));
     }
+  }
+  for (; i + kLanes <= count; i += kLanes) {  // sums stay in registers
+    FloatLanes sum = lanes_at(rows[0] + i);
+    for (int term = 1; term < terms; ++term) sum += lanes_at(rows[term] + i);
     std::memcpy(out + i, &sum, sizeof(sum));
   }
   for (; i < count; ++i) {
-    float sum = in[i];
-    for (int term = 1; term < terms; ++term) sum += in[static_cast<size_t>(term) * stride + static_cast<size_t>(i)];
+    float sum = rows[0][i];
+    for (int term = 1; term < terms; ++term) sum += rows[term][i];
     out[i] = sum;
   }
 }
@@ -104,6 +122,40 @@ void keep_best_row(int count, float* scores, float* best) {
     const float score = s[i], before = b[i];
     b[i] = score > before ? score : before;
     s[i] = score > before ? before : score;
+  }
+}
+
+ALIGNGS_TARGET_CLONES
+void add_scores(int count, const float* scores, float none, double* sums, double* counts) {
+  const float* __restrict in = scores;
+  double* __restrict sum = sums;
+  double* __restrict number = counts;
+  for (int i = 0; i < count; ++i) {
+    const bool some = in[i] != none;
+    sum[i] += static_cast<double>(some ? in[i] : 0.0f);
+    number[i] += some ? 1.0 : 0.0;
+  }
+}
+
+ALIGNGS_TARGET_CLONES
+void cost_row(int count, const double* sums, const double* counts, float unknown, float* costs, uint8_t* known) {
+  const double* __restrict sum = sums;
+  const double* __restrict number = counts;
+  float* __restrict out = costs;
+  for (int i = 0; i < count; ++i) {
+    const float cost = static_cast<float>(1 - sum[i] / number[i]);
+    out[i] = number[i] > 0 ? cost : unknown;
+  }
+  for (int i = 0; i < count; ++i) known[i] = counts[i] > 0 ? 1 : known[i];
+}
+
+void transpose_costs(const float* in, size_t rows, size_t columns, float* out) {
+  constexpr size_t kBlock = 64;  // columns at a time: their cache lines on both sides stay near
+  for (size_t first = 0; first < columns; first += kBlock) {
+    const size_t end = std::min(columns, first + kBlock);
+    for (size_t r = 0; r < rows; ++r) {
+      for (size_t c = first; c < end; ++c) out[c * rows + r] = in[r * columns + c];
+    }
   }
 }
 

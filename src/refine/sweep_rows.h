@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "core/vec.h"
 
@@ -28,9 +29,9 @@ struct WarpedRow {
 /// Terms of `count` pixels; zeros where a pixel falls outside of the other photo or behind its camera.
 void warp_row(const WarpedRow& row, int count, const WindowTerms& out);
 
-/// out[x] = in[x] + in[x + stride] + ..., `terms` of them, for 0 <= x < count: sums over the columns of windows with stride
-/// 1, over their rows with the length of a row.
-void sum_strided(const float* in, size_t stride, int terms, int count, float* out);
+/// out[x] = rows[0][x] + rows[1][x] + ..., `terms` of them in this order, for 0 <= x < count. These are sums over the rows
+/// of windows. Rows that are one row, shifted, give sums over their columns.
+void sum_rows(const float* const* rows, int terms, int count, float* out);
 
 struct ScoreRule {
   float least_count;     ///< of a window's pixels
@@ -44,5 +45,14 @@ void score_row(const WindowTerms& sums, const float* pixel_count, const ScoreRul
 
 /// The larger of both goes to best, the smaller stays in scores.
 void keep_best_row(int count, float* scores, float* best);
+
+/// Adds the scores that are not `none`, and counts them.
+void add_scores(int count, const float* scores, float none, double* sums, double* counts);
+
+/// One minus the mean of the scores, or `unknown` without any; known[x] becomes 1 with one.
+void cost_row(int count, const double* sums, const double* counts, float unknown, float* costs, uint8_t* known);
+
+/// Turns [rows][columns] into [columns][rows].
+void transpose_costs(const float* in, size_t rows, size_t columns, float* out);
 
 }  // namespace aligngs

@@ -17,6 +17,7 @@ ImageF median_depth(const Engine& engine, const GuideView& view, const RasterSet
   RenderOptions options;
   options.raster = raster;
   options.raster.near_plane = view.near_plane;
+  options.median_only = true;
   return std::move(engine.render(view.camera, options).depth_median);
 }
 

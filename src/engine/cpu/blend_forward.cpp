@@ -25,11 +25,13 @@ constexpr size_t kGather = 256;
 /// How far ahead the gather asks for a splat: a miss of the last-level cache lasts about this many copies.
 constexpr size_t kPrefetch = 12;
 constexpr int kStripRows = kStripPixels / kBlockSize;
+static_assert(kTileSize == 2 * kBlockSize);
 /// A list may be written a whole vector beyond its last entry.
 constexpr size_t kListLength = kGather + kLanes;
 
-/// Appends the numbers of the Gaussians that each strip can reach; counts[strip] is the length of its list.
-void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, uint32_t* lists, size_t* counts) {
+/// Appends the numbers of the Gaussians that each strip of `open` can reach; counts[strip] is the length of its list.
+void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, const bool* open, uint32_t* lists,
+                 size_t* counts) {
   const FloatTag d;
   const hn::RebindToUnsigned<FloatTag> du;
   for (size_t first = 0; first < count; first += kLanes) {
@@ -37,13 +39,18 @@ void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, 
     const OverlapLanes lanes = overlap_lanes(splats + first, n);
     const auto indices = hn::Iota(du, static_cast<uint32_t>(first));
     const auto real = hn::FirstN(d, n);
-    for (int strip = 0; strip < kTileStrips; ++strip) {
-      const int block = strip / kBlockStrips;
-      const float left = tile_x + static_cast<float>((block & 1) * kBlockSize);
-      const float top = tile_y + static_cast<float>((block >> 1) * kBlockSize + strip % kBlockStrips * kStripRows);
-      const auto hit = hn::And(real, reaches_box(lanes, left, top, kBlockSize, kStripRows));
-      counts[strip] +=
-          hn::CompressBlendedStore(indices, hn::RebindMask(du, hit), du, lists + strip * kListLength + counts[strip]);
+    const BoxColumns columns[2] = {box_columns(lanes, tile_x, kBlockSize),
+                                   box_columns(lanes, tile_x + kBlockSize, kBlockSize)};
+    for (int row = 0; row < kTileStrips / 2; ++row) {
+      const BoxRows rows = box_rows(lanes, tile_y + static_cast<float>(row * kStripRows), kStripRows);
+      for (int column = 0; column < 2; ++column) {
+        const int strip = (row / kBlockStrips * 2 + column) * kBlockStrips + row % kBlockStrips;
+        if (!open[strip]) continue;
+        const auto hit = hn::RebindMask(du, hn::And(real, reaches_box(lanes, columns[column], rows)));
+        // The whole vector: a store of its first lanes alone takes many times as long on some processors.
+        hn::StoreU(hn::Compress(indices, hit), du, lists + strip * kListLength + counts[strip]);
+        counts[strip] += hn::CountTrue(du, hit);
+      }
     }
   }
 }
@@ -134,7 +141,32 @@ bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t coun
   return open;
 }
 
-template <bool kGeometry, bool kSmooth>
+/// The same for the median depth alone: a pixel is closed where it has one.
+template <bool kSmooth>
+bool find_medians(const GatheredSplats& batch, const uint32_t* list, size_t count, const AlphaConstants& constants,
+                  const ProjectionCamera<float>& camera, int x, int y, size_t at, BlockMaps& maps) {
+  const FloatTag d;
+  const FloatVec half = hn::Set(d, float(kMedianTransmittance));
+  const FloatVec pixel_x = pixel_centres_x(x, at), pixel_y = pixel_centres_y(y, at);
+  const RayLanes ray = ray_lanes(camera, pixel_x, pixel_y);
+  FloatVec median = hn::Load(d, maps.median + at), t = hn::Load(d, maps.transmittance + at);
+  bool undecided = !hn::AllFalse(d, hn::Ge(t, half));
+  for (size_t i = 0; i < count && undecided; ++i) {
+    const Splat& g = batch.splats[list[i]];
+    const FloatVec before = t;
+    const FloatVec fdx = hn::Mul(hn::Set(d, g.fxx), hn::Sub(pixel_x, hn::Set(d, g.x)));
+    const AlphaLanes a = alpha_lanes<kSmooth>(g, fdx, pixel_y, constants, t);
+    const auto crossing = hn::And(a.taken, hn::And(hn::Ge(before, half), hn::Lt(t, half)));
+    if (!hn::AllFalse(d, crossing))
+      median = hn::IfThenElse(crossing, intersection(d, g, ray.x, ray.y, ray.grazing), median);
+    undecided = !hn::AllFalse(d, hn::Ge(t, half));
+  }
+  hn::Store(median, d, maps.median + at);
+  hn::Store(t, d, maps.transmittance + at);
+  return undecided;
+}
+
+template <BlendedMaps kMaps, bool kSmooth>
 void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y, const RasterSettings& raster,
                 uint8_t* seen, TileForward& out) {
   constexpr int kStrips = kTileStrips;
@@ -171,7 +203,8 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
       out.splats[i] = view.splats[list[first + i]];
     }
     size_t counts[kStrips] = {};
-    list_strips(out.splats.data(), n, static_cast<float>(left), static_cast<float>(top), out.lists.data(), counts);
+    list_strips(out.splats.data(), n, static_cast<float>(left), static_cast<float>(top), open, out.lists.data(),
+                counts);
     const GatheredSplats batch{out.splats.data(), out.strips.data() + first, static_cast<int32_t>(first) + 1};
     any = false;
     for (int strip = 0; strip < kStrips; ++strip) {
@@ -181,8 +214,14 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
       const size_t begin = static_cast<size_t>(strip % kBlockStrips * kStripPixels);
       bool still = false;
       for (size_t at = begin; at < begin + kStripPixels; at += kLanes) {
-        still |= blend_pixels<kGeometry, kSmooth>(batch, out.lists.data() + strip * kListLength, counts[strip],
-                                                  constants, view.camera, x, y, at, 1u << strip, out.blocks[b]);
+        const uint32_t* const reached = out.lists.data() + strip * kListLength;
+        if constexpr (kMaps == BlendedMaps::kMedian) {
+          still |=
+              find_medians<kSmooth>(batch, reached, counts[strip], constants, view.camera, x, y, at, out.blocks[b]);
+        } else {
+          still |= blend_pixels<kMaps == BlendedMaps::kAll, kSmooth>(batch, reached, counts[strip], constants,
+                                                                     view.camera, x, y, at, 1u << strip, out.blocks[b]);
+        }
       }
       open[strip] = still;
       any |= still;
@@ -207,13 +246,19 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
 }
 
 void BlendTileForward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
-                      const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out) {
-  if (raster.smooth_cutoff) {  // for tests: one version that computes everything
-    blend_tile<true, true>(view, lists, tile_x, tile_y, raster, seen, out);
-  } else if (geometry) {
-    blend_tile<true, false>(view, lists, tile_x, tile_y, raster, seen, out);
+                      const RasterSettings& raster, BlendedMaps maps, uint8_t* seen, TileForward& out) {
+  if (maps == BlendedMaps::kMedian) {
+    if (raster.smooth_cutoff) {
+      blend_tile<BlendedMaps::kMedian, true>(view, lists, tile_x, tile_y, raster, seen, out);
+    } else {
+      blend_tile<BlendedMaps::kMedian, false>(view, lists, tile_x, tile_y, raster, seen, out);
+    }
+  } else if (raster.smooth_cutoff) {  // for tests: one version that computes everything
+    blend_tile<BlendedMaps::kAll, true>(view, lists, tile_x, tile_y, raster, seen, out);
+  } else if (maps == BlendedMaps::kAll) {
+    blend_tile<BlendedMaps::kAll, false>(view, lists, tile_x, tile_y, raster, seen, out);
   } else {
-    blend_tile<false, false>(view, lists, tile_x, tile_y, raster, seen, out);
+    blend_tile<BlendedMaps::kColor, false>(view, lists, tile_x, tile_y, raster, seen, out);
   }
 }
 
@@ -228,8 +273,8 @@ namespace aligngs::cpu {
 HWY_EXPORT(BlendTileForward);
 
 void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
-                        const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out) {
-  HWY_DYNAMIC_DISPATCH(BlendTileForward)(view, lists, tile_x, tile_y, raster, geometry, seen, out);
+                        const RasterSettings& raster, BlendedMaps maps, uint8_t* seen, TileForward& out) {
+  HWY_DYNAMIC_DISPATCH(BlendTileForward)(view, lists, tile_x, tile_y, raster, maps, seen, out);
 }
 
 }  // namespace aligngs::cpu

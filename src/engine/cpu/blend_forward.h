@@ -21,6 +21,10 @@ struct BlockMaps {
   alignas(64) int32_t last[kBlockPixels];         ///< as in BlendRecord
 };
 
+/// Maps that a pass over the tiles blends. With kMedian a pixel ends where its median depth is known: nothing else is
+/// valid then, `seen` and the strips neither.
+enum class BlendedMaps : uint8_t { kColor, kAll, kMedian };
+
 /// Scratch of one thread.
 struct TileForward {
   AlignedArray<Splat> splats;     ///< the next Gaussians of the tile
@@ -34,6 +38,6 @@ struct TileForward {
 /// Gaussians that can reach it. A strip ends when its own pixels are closed. `seen` [slots], unless nullptr, receives a
 /// 1 for every Gaussian that some pixel took.
 void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
-                        const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out);
+                        const RasterSettings& raster, BlendedMaps maps, uint8_t* seen, TileForward& out);
 
 }  // namespace aligngs::cpu

@@ -32,12 +32,6 @@ struct Lanes3 {
 HWY_INLINE FloatVec dot(const Lanes3& a, const Lanes3& b) { return dot3(a.x, b.x, a.y, b.y, a.z, b.z); }
 HWY_INLINE Lanes3 scaled(const Lanes3& a, FloatVec s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
 
-/// Column k of a table of rows: values[row[lane] * width + column].
-template <class Index>
-HWY_INLINE FloatVec gather(const float* values, Index row_offsets, int column) {
-  return hn::GatherIndex(FloatTag(), values + column, row_offsets);
-}
-
 #if HWY_TARGET != HWY_SCALAR
 using Quad = HWY_CAPPED(float, 4);
 using QuadVec = hn::Vec<Quad>;

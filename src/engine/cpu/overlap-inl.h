@@ -52,20 +52,45 @@ HWY_INLINE OverlapLanes overlap_lanes(const Splat* splats, size_t count) {
   return o;
 }
 
-/// True where alpha_min can be reached at a pixel centre of [left, left + width) x [top, top + height).
-/// The form p^2 + r^2 is convex, so over a box that does not hold the mean its minimum lies on the nearest
-/// vertical or horizontal edge.
-HWY_INLINE hn::Mask<FloatTag> reaches_box(const OverlapLanes& o, float left, float top, float width, float height) {
+/// Columns [left, left + width) of pixels, or rows, as far as they do not depend on each other.
+struct BoxColumns {
+  FloatVec x0, x1, ex;  ///< relative to the mean; ex is nearest to it
+  FloatVec vy;          ///< the least p^2 + r^2 at ex lies here
+};
+struct BoxRows {
+  FloatVec y0, y1;
+  FloatVec hx;             ///< the least p^2 + r^2 at the nearest row lies here
+  FloatVec fxy_ey, hr_hr;  ///< products of that row
+};
+HWY_INLINE BoxColumns box_columns(const OverlapLanes& o, float left, float width) {
   const FloatTag d;
-  const FloatVec zero = hn::Zero(d);
-  const FloatVec x0 = hn::Sub(hn::Set(d, left + 0.5f), o.x), x1 = hn::Add(x0, hn::Set(d, width - 1));
-  const FloatVec y0 = hn::Sub(hn::Set(d, top + 0.5f), o.y), y1 = hn::Add(y0, hn::Set(d, height - 1));
-  const FloatVec ex = hn::Min(hn::Max(zero, x0), x1), ey = hn::Min(hn::Max(zero, y0), y1);  // nearest to the mean
-  const FloatVec vy = hn::Min(hn::Max(hn::Mul(ex, o.along_y), y0), y1);
-  const FloatVec hx = hn::Min(hn::Max(hn::Mul(ey, o.along_x), x0), x1);
-  const FloatVec vp = hn::MulAdd(o.fxx, ex, hn::Mul(o.fxy, vy)), vr = hn::Mul(o.fyy, vy);
-  const FloatVec hp = hn::MulAdd(o.fxx, hx, hn::Mul(o.fxy, ey)), hr = hn::Mul(o.fyy, ey);
-  const FloatVec vertical = hn::MulAdd(vp, vp, hn::Mul(vr, vr)), horizontal = hn::MulAdd(hp, hp, hn::Mul(hr, hr));
+  BoxColumns c;
+  c.x0 = hn::Sub(hn::Set(d, left + 0.5f), o.x);
+  c.x1 = hn::Add(c.x0, hn::Set(d, width - 1));
+  c.ex = hn::Min(hn::Max(hn::Zero(d), c.x0), c.x1);
+  c.vy = hn::Mul(c.ex, o.along_y);
+  return c;
+}
+HWY_INLINE BoxRows box_rows(const OverlapLanes& o, float top, float height) {
+  const FloatTag d;
+  BoxRows r;
+  r.y0 = hn::Sub(hn::Set(d, top + 0.5f), o.y);
+  r.y1 = hn::Add(r.y0, hn::Set(d, height - 1));
+  const FloatVec ey = hn::Min(hn::Max(hn::Zero(d), r.y0), r.y1);
+  r.hx = hn::Mul(ey, o.along_x);
+  r.fxy_ey = hn::Mul(o.fxy, ey);
+  const FloatVec hr = hn::Mul(o.fyy, ey);
+  r.hr_hr = hn::Mul(hr, hr);
+  return r;
+}
+
+/// True where alpha_min can be reached at a pixel centre of the columns and rows. The form p^2 + r^2 is convex, so over a
+/// box that does not hold the mean its minimum lies on the nearest vertical or horizontal edge.
+HWY_INLINE hn::Mask<FloatTag> reaches_box(const OverlapLanes& o, const BoxColumns& c, const BoxRows& r) {
+  const FloatVec vy = hn::Min(hn::Max(c.vy, r.y0), r.y1), hx = hn::Min(hn::Max(r.hx, c.x0), c.x1);
+  const FloatVec vp = hn::MulAdd(o.fxx, c.ex, hn::Mul(o.fxy, vy)), vr = hn::Mul(o.fyy, vy);
+  const FloatVec hp = hn::MulAdd(o.fxx, hx, r.fxy_ey);
+  const FloatVec vertical = hn::MulAdd(vp, vp, hn::Mul(vr, vr)), horizontal = hn::MulAdd(hp, hp, r.hr_hr);
   return hn::Le(hn::Min(vertical, horizontal), o.level);
 }
 

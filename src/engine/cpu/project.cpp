@@ -38,21 +38,44 @@ struct Batch {
   HWY_ALIGN float x0[kLanes], y0[kLanes], x1[kLanes], y1[kLanes];  ///< pixels
 };
 
+/// Rows are loaded as quads and turned: gathers take several times as long. A quad of three numbers ends in the next
+/// row, which the last one does not have.
+HWY_INLINE void load_shapes(const GaussianModel& model, size_t first, const int32_t* rows, LaneShape& g) {
+  const FloatTag d;
+  HWY_ALIGN float position[4][kLanes], scale[4][kLanes], rotation[4][kLanes], opacity[kLanes];
+  const float *positions[kLanes], *scales[kLanes], *rotations[kLanes];
+  bool last = false;
+  for (size_t k = 0; k < kLanes; ++k) {
+    const size_t row = first + static_cast<size_t>(rows[k]);
+    last |= row + 1 == model.size();
+    positions[k] = model.positions.data() + 3 * row;
+    scales[k] = model.log_scales.data() + 3 * row;
+    rotations[k] = model.rotations.data() + 4 * row;
+    opacity[k] = model.opacity_logits[row];
+  }
+  rows_to_lanes(rotations, 4, rotation);
+  if (last) {
+    for (size_t k = 0; k < kLanes; ++k) {
+      for (size_t j = 0; j < 3; ++j) position[j][k] = positions[k][j];
+      for (size_t j = 0; j < 3; ++j) scale[j][k] = scales[k][j];
+    }
+  } else {
+    rows_to_lanes(positions, 4, position);
+    rows_to_lanes(scales, 4, scale);
+  }
+  g.position = {hn::Load(d, position[0]), hn::Load(d, position[1]), hn::Load(d, position[2])};
+  g.log_scale = {hn::Load(d, scale[0]), hn::Load(d, scale[1]), hn::Load(d, scale[2])};
+  for (int k = 0; k < 4; ++k) g.rotation[k] = hn::Load(d, rotation[k]);
+  g.opacity_logit = hn::Load(d, opacity);
+}
+
 /// The vector twin of project() in engine/formulas/projection.h and sh_color() in color.h, for the rows at `offsets`
 /// from `first`.
 void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows, const ProjectionCamera<float>& camera,
                    const RasterSettings& raster, int sh_degree, Batch& out) {
   const FloatTag d;
-  const hn::RebindToSigned<FloatTag> di;
-  const auto row = hn::LoadU(di, rows);
-  const auto row3 = hn::Add(row, hn::Add(row, row)), row4 = hn::ShiftLeft<2>(row);
-  const float *positions = model.positions.data() + 3 * first, *scales = model.log_scales.data() + 3 * first;
-  const float* rotations = model.rotations.data() + 4 * first;
   LaneShape g;
-  g.position = {gather(positions, row3, 0), gather(positions, row3, 1), gather(positions, row3, 2)};
-  g.log_scale = {gather(scales, row3, 0), gather(scales, row3, 1), gather(scales, row3, 2)};
-  for (int k = 0; k < 4; ++k) g.rotation[k] = gather(rotations, row4, k);
-  g.opacity_logit = gather(model.opacity_logits.data() + first, row, 0);
+  load_shapes(model, first, rows, g);
 
   const FloatVec zero = hn::Zero(d), one = constant(1.0f);
   const FloatVec parameters = hn::Add(

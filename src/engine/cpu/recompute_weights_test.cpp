@@ -35,7 +35,7 @@ void expect_same_weights(const SceneOptions& o, const RasterSettings& raster) {
   std::vector<TileScratch> scratch(2);
   RenderMaps<float> maps;
   BlendRecord record;
-  forward_pass({view, lists, raster}, true, pool, scratch, maps, &record);
+  forward_pass({view, lists, raster}, BlendedMaps::kAll, pool, scratch, maps, &record);
   TileWeights whole, again;
   for (int y = 0; y < view.tiles_y; ++y) {
     for (int x = 0; x < view.tiles_x; ++x) {

@@ -1,8 +1,11 @@
 #include "engine/cpu/reduce.h"
 
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
+#include "core/target_clones.h"
+#include "core/vector_lanes.h"
 #include "engine/cpu/activations.h"
 #include "engine/cpu/adam.h"
 #include "engine/cpu/project_backward.h"
@@ -94,15 +97,22 @@ const char* bad_term(const ParameterGradients& g, size_t i) {
   return nullptr;
 }
 
-/// The sums of row i over the tiles that took it.
-void sum_slots(const ReduceInputs& in, size_t i, SplatGradient& sum) {
-  sum = {};
-  float* to = reinterpret_cast<float*>(&sum);
-  for (uint64_t slot = in.lists.slot_begin[i]; slot < in.lists.slot_begin[i + 1]; ++slot) {
-    if (in.record.seen[static_cast<size_t>(slot)] == 0) continue;
-    const float* from = reinterpret_cast<const float*>(&in.slots[static_cast<size_t>(slot)]);
-    for (size_t k = 0; k < kSplatGradientFloats; ++k) to[k] += from[k];
+/// Sums of the slots [begin, end) that are seen.
+ALIGNGS_TARGET_CLONES
+void sum_slots(const SplatGradient* slots, const uint8_t* seen, size_t begin, size_t end, SplatGradient& sum) {
+  static_assert(sizeof(SplatGradient) == 4 * sizeof(FloatLanes));
+  FloatLanes a{}, b{}, c{}, d{};  // in registers
+  for (size_t slot = begin; slot < end; ++slot) {
+    if (seen[slot] == 0) continue;
+    FloatLanes from[4];
+    std::memcpy(from, &slots[slot], sizeof(from));
+    a += from[0];
+    b += from[1];
+    c += from[2];
+    d += from[3];
   }
+  const FloatLanes all[4] = {a, b, c, d};
+  std::memcpy(static_cast<void*>(&sum), all, sizeof(all));
 }
 
 void add_squares(const Splat& s, const SplatGradient& sum, ChunkSums& out) {
@@ -183,7 +193,8 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
         store_row(zero, i, gradients);
       } else {
         rows[count] = static_cast<uint32_t>(i);
-        sum_slots(in, i, row_sums[count]);
+        sum_slots(in.slots.data(), in.record.seen.data(), static_cast<size_t>(in.lists.slot_begin[i]),
+                  static_cast<size_t>(in.lists.slot_begin[i + 1]), row_sums[count]);
         add_squares(in.view.splats[i], row_sums[count], sums[chunk]);
         if (in.request.collect_density) gradients.density[i] = density_sums(row_sums[count]);
         ++count;

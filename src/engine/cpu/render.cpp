@@ -37,14 +37,20 @@ void interleave(const std::vector<float>& planes, size_t pixels, size_t begin, s
 }  // namespace
 
 Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) const {
-  prepare_frame(camera, options.raster, model_.sh_degree);
+  prepare_frame(camera, options.raster, options.median_only ? 0 : model_.sh_degree);  // degree 0: without the view
   const ProjectedView& view = frame_.view;
   const ViewTiles tiles{view, frame_.lists, options.raster};
-  forward_pass(tiles, options.geometry, *pool_, scratch_, frame_.maps, nullptr);
+  const BlendedMaps colored = options.geometry ? BlendedMaps::kAll : BlendedMaps::kColor;
+  forward_pass(tiles, options.median_only ? BlendedMaps::kMedian : colored, *pool_, scratch_, frame_.maps, nullptr);
   const RenderMaps<float>& m = frame_.maps;
   const int w = m.width, h = m.height;
   const size_t n = m.pixels();
   Rendering r;
+  if (options.median_only) {
+    r.depth_median = ImageF(w, h, 1);
+    r.depth_median.data = m.median;
+    return r;
+  }
   r.color = ImageF(w, h, 3);
   r.alpha = ImageF(w, h, 1);
   r.alpha.data = m.alpha;

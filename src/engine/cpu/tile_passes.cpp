@@ -143,26 +143,34 @@ void size_slots(size_t instances, SlotGradients& out) {
 
 }  // namespace
 
-void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
+void forward_pass(const ViewTiles& tiles, BlendedMaps blended, ThreadPool& pool, std::vector<TileScratch>& scratch,
                   RenderMaps<float>& maps, BlendRecord* record) {
   const ProjectedView& view = tiles.view;
-  size_maps(view.width, view.height, geometry, maps);
+  const bool geometry = blended == BlendedMaps::kAll, median_alone = blended == BlendedMaps::kMedian;
+  if (median_alone) {
+    maps.width = view.width;
+    maps.height = view.height;
+    size_map(size_t(view.width) * view.height, maps.median);
+  } else {
+    size_maps(view.width, view.height, geometry, maps);
+  }
   if (record != nullptr) {
     record->strips.resize(tiles.lists.instances());
     record->seen.assign(tiles.lists.instances(), 0);
     record->last.resize(view.tiles() * kTilePixels);
   }
   const size_t n = maps.pixels();
+  std::vector<const std::vector<float>*> written{&maps.median};
+  if (!median_alone) written = {&maps.color, &maps.alpha};
+  if (geometry) written.insert(written.end(), {&maps.normal, &maps.distance, &maps.expected, &maps.median});
   pool.parallel_for(view.tiles(), kTilesPerTask, [&](size_t begin, size_t end, int worker) {
     TileForward& s = scratch[static_cast<size_t>(worker)].forward;
     for (size_t tile = begin; tile < end; ++tile) {
       const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
-      for (const std::vector<float>* map :
-           {&maps.color, &maps.alpha, &maps.normal, &maps.distance, &maps.expected, &maps.median}) {
-        if (!geometry && map != &maps.color && map != &maps.alpha) continue;
+      for (const std::vector<float>* map : written) {
         for (size_t at = 0; at < map->size(); at += n) prefetch_tile<1>(map->data() + at, view, tile_x, tile_y);
       }
-      blend_tile_forward(view, tiles.lists, tile_x, tile_y, tiles.raster, geometry,
+      blend_tile_forward(view, tiles.lists, tile_x, tile_y, tiles.raster, blended,
                          record != nullptr ? record->seen.data() : nullptr, s);
       if (record != nullptr) keep_record(s, tile, static_cast<size_t>(tiles.lists.tile_begin[tile]), *record);
       for (int b = 0; b < kTileBlocks; ++b) {
@@ -170,13 +178,14 @@ void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::
                                  view.width, view.height);
         if (c.width == 0 || c.height == 0) continue;
         const BlockMaps& block = s.blocks[b];
+        if (geometry || median_alone) write_block(block.median, c, view.width, maps.median.data());
+        if (median_alone) continue;
         for (int k = 0; k < 3; ++k) write_block(block.color[k], c, view.width, maps.color.data() + k * n);
         write_block(block.alpha, c, view.width, maps.alpha.data());
         if (!geometry) continue;
         for (int k = 0; k < 3; ++k) write_block(block.normal[k], c, view.width, maps.normal.data() + k * n);
         write_block(block.distance, c, view.width, maps.distance.data());
         write_block(block.expected, c, view.width, maps.expected.data());
-        write_block(block.median, c, view.width, maps.median.data());
       }
     }
   });

@@ -28,8 +28,9 @@ struct ViewTiles {
   const RasterSettings& raster;
 };
 
-/// Blends all maps, or only colour and alpha (the others are then zero). `record` may be nullptr.
-void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
+/// Blends all maps, or only colour and alpha (the others are then zero), or only the median depth. `record` may be
+/// nullptr, and is with the median depth alone.
+void forward_pass(const ViewTiles& tiles, BlendedMaps blended, ThreadPool& pool, std::vector<TileScratch>& scratch,
                   RenderMaps<float>& maps, BlendRecord* record);
 
 /// Inputs of the backward pass from the maps, planar as in engine/maps.h.

@@ -32,9 +32,11 @@ void block_masks(const Splat* splats, size_t count, float tile_x, float tile_y, 
     const size_t n = HWY_MIN(kLanes, count - first);
     const OverlapLanes lanes = overlap_lanes(splats + first, n);
     auto mask = hn::Zero(di);
+    const BoxColumns columns[2] = {box_columns(lanes, tile_x, kBlockSize),
+                                   box_columns(lanes, tile_x + kBlockSize, kBlockSize)};
+    const BoxRows rows[2] = {box_rows(lanes, tile_y, kBlockSize), box_rows(lanes, tile_y + kBlockSize, kBlockSize)};
     for (int b = 0; b < kTileBlocks; ++b) {
-      const auto hit = reaches_box(lanes, tile_x + static_cast<float>((b & 1) * kBlockSize),
-                                   tile_y + static_cast<float>((b >> 1) * kBlockSize), kBlockSize, kBlockSize);
+      const auto hit = reaches_box(lanes, columns[b & 1], rows[b >> 1]);
       mask = hn::Or(mask, hn::IfThenElseZero(hn::RebindMask(di, hit), hn::Set(di, 1 << b)));
     }
     hn::Store(mask, di, bits);

@@ -45,7 +45,7 @@ class TestView {
     cpu::project_view(model, camera, raster, sh_degree, pool, view);
     cpu::build_tile_lists(view, pool, lists);
     scratch.resize(static_cast<size_t>(pool.size()));
-    cpu::forward_pass({view, lists, raster}, true, pool, scratch, maps, &record);
+    cpu::forward_pass({view, lists, raster}, cpu::BlendedMaps::kAll, pool, scratch, maps, &record);
     visible = cpu::mark_touched(lists, record, pool, cpu_gradients);
     upload_view(context);
     upload_record(context);
