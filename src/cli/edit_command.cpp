@@ -11,6 +11,7 @@
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
+#include "core/freed_memory.h"
 #include "edit/edit_log.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
@@ -85,6 +86,7 @@ void undo(const CommandContext& context, const EditOptions& options, const UndoR
 }
 
 void run_edit(const CommandContext& context, const EditOptions& options) {
+  keep_freed_memory();
   require_consistent(options);
   if (!options.truth.empty()) return measure_removal(context, options);
   const bool says = !options.say.empty(), changes_selection = options.changes_selection();
