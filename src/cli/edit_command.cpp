@@ -44,6 +44,8 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   for (const std::string& name : report.absent) text += "not there    " + name + ": the room has no such object\n";
   for (const SelectedObject& part : report.parts)
     text += "taken along  " + object_name(part, labels) + ": belongs to the selected objects\n";
+  for (const std::string& warning : report.warnings)
+    text += "warning      " + warning + "; --undo takes the edit back\n";
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
   if (!report.contents.empty()) {
     std::string names;
