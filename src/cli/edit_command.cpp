@@ -11,6 +11,7 @@
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
+#include "core/freed_memory.h"
 #include "edit/edit_log.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
@@ -43,6 +44,8 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   for (const std::string& name : report.absent) text += "not there    " + name + ": the room has no such object\n";
   for (const SelectedObject& part : report.parts)
     text += "taken along  " + object_name(part, labels) + ": belongs to the selected objects\n";
+  for (const std::string& warning : report.warnings)
+    text += "warning      " + warning + "; --undo takes the edit back\n";
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
   if (!report.contents.empty()) {
     std::string names;
@@ -85,6 +88,7 @@ void undo(const CommandContext& context, const EditOptions& options, const UndoR
 }
 
 void run_edit(const CommandContext& context, const EditOptions& options) {
+  keep_freed_memory();
   require_consistent(options);
   if (!options.truth.empty()) return measure_removal(context, options);
   const bool says = !options.say.empty(), changes_selection = options.changes_selection();

@@ -8,22 +8,11 @@
 #include "cli/print_json.h"
 #include "edit/listed_objects.h"
 #include "edit/report_json.h"
-#include "room/room_json.h"
 
 namespace aligngs {
 namespace {
 
 using Json = nlohmann::json;
-
-/// Metres of a scene unit: those of room.json, which has a scale that a person gave. Nothing where nobody knows.
-std::optional<double> metres_of(const EditSession& session) {
-  const std::filesystem::path file = session.folder() / "room.json";
-  if (std::filesystem::exists(file)) {
-    const MeasuredRoom room = read_room(file);
-    if (room.metric) return room.to_room.scale;
-  }
-  return session.scene().metric ? std::optional<double>(1) : std::nullopt;
-}
 
 std::string listed_edits(const std::vector<EditOperation>& stack) {
   if (stack.empty()) return "no edits\n";
@@ -69,7 +58,7 @@ void list_run(const CommandContext& context, EditSession& session) {
   Json edits = Json::array();
   for (const EditOperation& edit : session.stack()) edits.push_back(describe(edit));
   const std::vector<ListedObject> objects = listed_objects(session.room());
-  const std::optional<double> metres = metres_of(session);
+  const std::optional<double> metres = session.metres_of_unit();
   std::string text = listed_edits(session.stack()) + objects_text(objects, metres);
   const RoomSelections& drawn = session.selections();
   if (!drawn.list.empty()) text += "selections by hand:\n";

@@ -121,8 +121,10 @@ std::shared_ptr<EditOptions> add_edit_options(CLI::App& command) {
       ->group("Edit");
   command.add_flag("--extract", options->extract, "keep the selected objects only")->group("Edit");
   command
-      .add_option("--move", options->move,
-                  "move by RIGHT,UP,TOWARDS in metres as the photos' cameras see it, e.g. 0.5,0,-0.2")
+      .add_option(
+          "--move", options->move,
+          "move by RIGHT,UP,TOWARDS in scene units as the photos' cameras see it, e.g. 0.5,0,-0.2; metres in a scene "
+          "in metres")
       ->group("Edit");
   command
       .add_option("--turn", options->turn,

@@ -16,6 +16,7 @@
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
 #include "edit/object_parts.h"
+#include "edit/out_of_room.h"
 #include "edit/recolor.h"
 #include "edit/replace_object.h"
 #include "edit/row_flags.h"
@@ -105,6 +106,7 @@ void move_objects(EditableRoom& room, const EditOperation& edit, const std::vect
   // A turned copy steps aside, too.
   if (edit.kind == EditKind::kDuplicate && motion.stays_in_place()) motion.shift.x = step_aside(room, mask);
   const Similarity to = motion_in_world(room, mask, motion);
+  if (const std::string out = out_of_room(room, mask, to); !out.empty()) report.warnings.push_back(out);
   if (edit.kind == EditKind::kMove) {
     remove_objects(room, edit, mask, vertices, report, pool);
   } else {

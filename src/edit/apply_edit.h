@@ -42,6 +42,7 @@ struct EditReport {
   std::vector<SelectedObject> contents;       ///< things on them that were left behind
   std::optional<SelectedObject> replacement;  ///< the object that came
   std::vector<std::string> absent;            ///< names of the selection of which the room has no object
+  std::vector<std::string> warnings;          ///< sentences about what the edit did besides its words
   std::vector<SelectedObject> parts;          ///< things of other classes that belong to them and went along
   size_t selected = 0;                        ///< Gaussians
   size_t before = 0, after = 0;               ///< Gaussians of the room

@@ -14,11 +14,13 @@
 #include "edit/edit_products.h"
 #include "edit/inserted_object.h"
 #include "edit/nearest_readings.h"
+#include "edit/settled_motion.h"
 #include "edit/trained_room.h"
 #include "gaussians/object_labels.h"
 #include "gaussians/restructure.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
+#include "room/room_json.h"
 #include "train/camera_outputs.h"
 #include "train/run_folder.h"
 
@@ -206,10 +208,21 @@ EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
   return report;
 }
 
+std::optional<double> EditSession::metres_of_unit() const {
+  const fs::path file = folder() / "room.json";
+  if (fs::exists(file)) {
+    const MeasuredRoom measured = read_room(file);
+    if (measured.metric) return measured.to_room.scale;
+  }
+  return scene().metric ? std::optional<double>(1) : std::nullopt;
+}
+
 EditRequest EditSession::understand(std::string_view text) const {
   try {
-    const EditRequest request = parse_request(text);
-    if (!request.undo) parse_selection(request.edit.select, vocabulary_of(room()));
+    EditRequest request = parse_request(text);
+    if (request.undo) return request;
+    parse_selection(request.edit.select, vocabulary_of(room()));
+    settle_motion(room(), metres_of_unit(), request.edit);
     return request;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;

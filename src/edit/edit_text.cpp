@@ -88,7 +88,7 @@ std::optional<bool> take_fill(std::string& text) {
 bool take_contents(std::string& text) {
   if (take_ending(text, kWithContents)) return true;
   static const std::regex spoken(
-      R"(^(.*\S) +(?:with|and|including|together with) +)"
+      R"(^(.*?\S) +(?:with|and|including|(?:together|along) with) +)"
       R"((?:(?:(?:all )?(?:of )?(?:its|their|the) )?contents|(?:everything|all|what(?:ever| is|'s)?|all that is|the things) +on +(?:it|them|top))$)",
       std::regex::icase);
   std::smatch match;
@@ -114,6 +114,7 @@ void read_motion(const std::string& verb, EditOperation& edit, std::string& text
   if (const auto motion = take_motion(text)) {
     edit.motion = *motion;
   } else if (edit.kind == EditKind::kMove) {
+    refuse_place(text);
     throw_usage("the move has no distance",
                 "for example \"move sofa by 0.5,0,-0.2\" or \"move chair 0.5 m to the left\"");
   }
@@ -186,9 +187,11 @@ EditOperation parse_edit(std::string_view given) {
   edit.fill = fill.value_or(true) && leaves_hole(edit.kind);
   trim(text);
   if (edit.kind == EditKind::kReplace) read_source(edit, text);
-  // The motion is at the end, and the contents before it.
+  // The motion is at the end, and the contents before or after it.
+  edit.with_contents = edit.kind != EditKind::kReplace && take_contents(text);
+  trim(text);
   if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) read_motion(verb, edit, text);
-  edit.with_contents = take_contents(text);
+  edit.with_contents |= take_contents(text);
   trim(text);
   if (const auto threshold = take_threshold(text)) edit.threshold = parse_threshold(*threshold);
   trim(text);

@@ -49,9 +49,11 @@ TEST(EditText, AColourMayBeAName) {
 }
 
 TEST(EditText, WhatStandsOnAThingGoesWithIt) {
-  for (const char* text : {"delete chest of drawers with contents", "delete chest of drawers and what is on it",
-                           "delete chest of drawers with its contents", "delete chest of drawers and everything on it",
-                           "delete chest of drawers including contents", "delete chest of drawers --with-contents"}) {
+  for (const char* text :
+       {"delete chest of drawers with contents", "delete chest of drawers and what is on it",
+        "delete chest of drawers with its contents", "delete chest of drawers and everything on it",
+        "delete chest of drawers including contents", "delete chest of drawers along with its contents",
+        "delete chest of drawers --with-contents"}) {
     const EditOperation edit = parse_edit(text);
     EXPECT_TRUE(edit.with_contents) << text;
     EXPECT_EQ(edit.select, "chest of drawers") << text;
@@ -73,6 +75,7 @@ TEST(EditText, ObjectsAreMovedTurnedAndCopied) {
                            "duplicate chair by 1,0,0", "duplicate chair"}) {
     EXPECT_EQ(describe(parse_edit(text)), text);
   }
+  EXPECT_TRUE(parse_edit("move desk 0.5 m to the left with everything on it").with_contents);
   for (const char* text : {"move sofa", "turn sofa", "move by 1,2,3", "turn sofa by 999"})
     EXPECT_THROW(parse_edit(text), Error) << text;
 }

@@ -96,11 +96,18 @@ class MeantObjects {
       found.clear();
       for (const Related& r : related) found.push_back(r.object);
     }
-    if (term.choice != ObjectChoice::kNone) return {chosen_object(objects_, found, term.choice, words(term))};
+    if (term.choice != ObjectChoice::kNone) return chosen_of(term, found);
     if (term.count == 1 && term.relation && is_distance(term.relation->relation))
       return {clearly_nearest(term, related)};
     if (term.count > 0 && found.size() != static_cast<size_t>(term.count)) refuse_count(term, found);
     return found;
+  }
+
+  std::vector<size_t> chosen_of(const SelectionTerm& term, const std::vector<size_t>& found) const {
+    const size_t count = static_cast<size_t>(term.count);
+    if (count <= 1) return {chosen_object(objects_, found, term.choice, words(term), static_cast<size_t>(term.rank))};
+    if (count > found.size()) refuse_count(term, found);
+    return count == found.size() ? found : chosen_objects(objects_, found, term.choice, count, words(term));
   }
 
   static bool is_distance(Relation relation) {

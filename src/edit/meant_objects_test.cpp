@@ -52,6 +52,22 @@ TEST_F(MeantObjectsTest, AllOfThem) {
   EXPECT_EQ(meant("all pillows on the right bed"), "pillow#2, pillow#3");
 }
 
+TEST_F(MeantObjectsTest, TheFirstOfAChoice) {
+  EXPECT_EQ(meant("the two left pillows"), "pillow#1, pillow#2");
+  EXPECT_EQ(meant("the second left pillow"), "pillow#2");
+  EXPECT_EQ(meant("the second largest chair"), "chair#1");
+  EXPECT_EQ(meant("the two largest chairs"), "chair#1, chair#2");
+  EXPECT_THAT(refusal("the two largest pillows"), HasSubstr("alike: pillow#2, pillow#3"));
+  EXPECT_THAT(refusal("the second largest pillow"), HasSubstr("alike"));
+  EXPECT_THAT(refusal("the three largest chairs"), HasSubstr("means 3 of them, and 2 fit"));
+  EXPECT_THAT(refusal("the third largest chair"), HasSubstr("there is no"));
+}
+
+TEST_F(MeantObjectsTest, NoWallIsTheLeftOne) {
+  for (const char* text : {"the left wall", "the largest wall", "the paintings on the left wall", "the left floor"})
+    EXPECT_THAT(refusal(text), HasSubstr("not told from the rest")) << text;
+}
+
 TEST_F(MeantObjectsTest, CountsAreChecked) {
   EXPECT_EQ(meant("both pillows on bed#2"), "pillow#2, pillow#3");
   EXPECT_EQ(meant("both lamps"), "lamp#1, lamp#2");

@@ -31,11 +31,11 @@ struct Direction {
   std::string_view word;
   Vec3d axis;
 };
-constexpr Direction kDirections[] = {{"right", {1, 0, 0}},   {"left", {-1, 0, 0}},      {"upwards", {0, 1, 0}},
-                                     {"up", {0, 1, 0}},      {"downwards", {0, -1, 0}}, {"down", {0, -1, 0}},
-                                     {"closer", {0, 0, 1}},  {"towards me", {0, 0, 1}}, {"forwards", {0, 0, 1}},
-                                     {"forward", {0, 0, 1}}, {"backwards", {0, 0, -1}}, {"back", {0, 0, -1}},
-                                     {"away", {0, 0, -1}}};
+constexpr Direction kDirections[] = {{"right", {1, 0, 0}},    {"left", {-1, 0, 0}},      {"upwards", {0, 1, 0}},
+                                     {"up", {0, 1, 0}},       {"downwards", {0, -1, 0}}, {"down", {0, -1, 0}},
+                                     {"higher", {0, 1, 0}},   {"lower", {0, -1, 0}},     {"closer", {0, 0, 1}},
+                                     {"forwards", {0, 0, 1}}, {"forward", {0, 0, 1}},    {"backwards", {0, 0, -1}},
+                                     {"back", {0, 0, -1}},    {"away", {0, 0, -1}}};
 
 struct Unit {
   std::string_view word;
@@ -51,7 +51,7 @@ constexpr const char* kLength = R"(([-+]?[0-9]*[.,]?[0-9]+))";
 constexpr const char* kUnit =
     R"((m|metres?|meters?|cm|centimetres?|centimeters?|mm|millimetres?|millimeters?|in|inch|inches|ft|foot|feet))";
 constexpr const char* kDirection =
-    R"((left|right|upwards|up|downwards|down|closer|towards +me|forwards|forward|backwards|back|away))";
+    R"((left|right|upwards|up|higher|downwards|down|lower|closer|towards? +(?:me|us|the +(?:camera|viewer))|forwards|forward|backwards|back|away))";
 
 const std::regex& along_axes() {
   static const std::regex pattern(
@@ -89,17 +89,65 @@ const std::regex& by_degrees() {
   return pattern;
 }
 
-/// Words of `length`, `unit` (may be empty) and `direction` as a shift.
-Vec3d shift_along(std::string length, std::string unit, std::string direction) {
-  if (length.front() == '+') length.erase(0, 1);
+/// "50 cm towards the window" and "0.5 m away from the bed": what comes before, length, unit, words, thing.
+const std::regex& toward_a_thing() {
+  static const std::regex pattern(
+      fmt::format("^(.*?\\S)(?: +by)? +{} *{}? +(towards?|(?:closer|nearer) +to|away +from) +(?:the +)?(\\S.*)$",
+                  kLength, kUnit),
+      std::regex::icase);
+  return pattern;
+}
+
+/// The same, with the thing first: "towards the window by 50 cm".
+const std::regex& thing_first() {
+  static const std::regex pattern(
+      fmt::format("^(.*?\\S) +(towards?|(?:closer|nearer) +to|away +from) +(?:the +)?(\\S.*?)(?: +by)? +{} *{}$",
+                  kLength, kUnit),
+      std::regex::icase);
+  return pattern;
+}
+
+/// "To the window": no length.
+const std::regex& to_a_thing() {
+  static const std::regex pattern(
+      "^(.*?\\S) +((?:towards?|(?:closer|nearer) +to|away +from|to|next +to|beside|near|against|in +front "
+      "+of|behind|on|"
+      "under|into|between) +\\S.*)$",
+      std::regex::icase);
+  return pattern;
+}
+
+double metres_of(std::string unit) {
   unit = lower_case(unit);
   if (unit.size() > 2 && unit.back() == 's') unit.pop_back();
   double metres = 1;
   for (const Unit& known : kUnits) metres = known.word == unit ? known.metres : metres;
+  return metres;
+}
+
+ObjectMotion motion_toward(std::string length, const std::string& unit, const std::string& words,
+                           const std::string& thing) {
+  if (length.front() == '+') length.erase(0, 1);
+  const double metres = metres_of(unit);
+  const auto value = number_of(length, kLongestShift / metres);
+  if (!value || *value == 0)
+    throw_usage("\"" + length + "\" is no length", "for example \"move chair 0.5 m towards the window\"");
+  ObjectMotion motion;
+  motion.in_metres = !unit.empty();
+  motion.toward = thing;
+  motion.distance = (lower_case(words).starts_with("away") ? -1 : 1) * *value * metres;
+  return motion;
+}
+
+/// Words of `length`, `unit` (may be empty) and `direction` as a shift.
+Vec3d shift_along(std::string length, const std::string& unit, std::string direction) {
+  if (length.front() == '+') length.erase(0, 1);
+  const double metres = metres_of(unit);
   const auto value = number_of(length, kLongestShift / metres);
   if (!value)
     throw_usage("\"" + length + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
-  direction = std::regex_replace(lower_case(direction), std::regex(" +"), " ");
+  direction = lower_case(direction);
+  if (direction.starts_with("toward")) direction = "closer";
   for (const Direction& known : kDirections) {
     if (direction == known.word) return known.axis * (*value * metres) + Vec3d{};  // without -0
   }
@@ -118,6 +166,19 @@ std::optional<Vec3d> three_numbers(std::string_view text, char separator) {
     if (end != std::string_view::npos) text = trimmed(text.substr(end + 1));
   }
   return out;
+}
+
+/// "1 m to the left and 0.5 m back": what was before the last motion.
+void add_earlier(std::string& text, ObjectMotion& motion) {
+  std::string rest = text;
+  constexpr std::string_view kAnd = " and";
+  if (rest.size() <= kAnd.size() || !lower_case(rest).ends_with(kAnd)) return;
+  rest.resize(rest.size() - kAnd.size());
+  std::smatch match;
+  if (!std::regex_match(rest, match, in_a_direction())) return;
+  motion.shift += shift_along(match[2].str(), match[3].str(), match[4].str());
+  motion.in_metres |= match[3].length() > 0;
+  text = match[1].str();
 }
 
 }  // namespace
@@ -153,19 +214,43 @@ std::optional<ObjectMotion> take_motion(std::string& text) {
   }
   if (std::regex_match(text, match, in_a_direction())) {
     motion.shift = shift_along(match[2].str(), match[3].str(), match[4].str());
+    motion.in_metres = match[3].length() > 0;
   } else if (std::regex_match(text, match, direction_first())) {
     motion.shift = shift_along(match[3].str(), match[4].str(), match[2].str());
+    motion.in_metres = match[4].length() > 0;
+  } else if (std::regex_match(text, match, toward_a_thing())) {
+    motion = motion_toward(match[2].str(), match[3].str(), match[4].str(), match[5].str());
+  } else if (std::regex_match(text, match, thing_first())) {
+    motion = motion_toward(match[4].str(), match[5].str(), match[2].str(), match[3].str());
   } else if (std::regex_match(text, a_length_alone())) {
     throw_usage("the motion has a length and no direction", "for example \"move chair 0.5 m to the left\"");
   } else {
     return {};
   }
   text = std::string(match[1].str());
+  if (motion.toward.empty()) add_earlier(text, motion);
   return motion;
+}
+
+void refuse_place(const std::string& text) {
+  std::smatch match;
+  if (!std::regex_match(text, match, to_a_thing())) return;
+  const std::string thing = std::regex_replace(match[2].str(), std::regex("^.*? +((?:to|from|of) +)?"), "",
+                                               std::regex_constants::format_first_only);
+  throw_usage("\"" + match[2].str() + "\" does not tell how far the move goes",
+              "give a length: \"move " + match[1].str() + " 0.5 m towards " + thing + "\"");
 }
 
 std::optional<double> take_turn(std::string& text) {
   std::smatch match;
+  static const std::regex part_of_a_turn(
+      "^(.*?\\S)(?: +by)? +(a +quarter(?: +of +a)?|a +half|half +an?|one +quarter|quarter|half)(?: +turn| +circle)?"
+      "( +(?:counter-?clockwise|clockwise|(?:to +the +)?(?:left|right)))?$",
+      std::regex::icase);
+  if (std::regex_match(text, match, part_of_a_turn)) {
+    const double degrees = lower_case(match[2].str()).find("half") != std::string::npos ? 180 : 90;
+    text = match[1].str() + fmt::format(" by {:.0f}", degrees) + match[3].str();
+  }
   if (!std::regex_match(text, match, by_degrees())) return {};
   const double turn = parse_turn(match[3].str());
   const std::string side = lower_case(match[6].str());  // a turn to the left is counter-clockwise

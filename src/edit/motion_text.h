@@ -17,9 +17,12 @@ double parse_turn(std::string_view text);
 /// Takes a motion off the end of `text`: "by X,Y,Z", "by X,Y,Z and turn by DEGREES", or a length and a direction in
 /// either order. Examples are "0.5 m to the left", "50cm up", "left by 2 feet". Nothing where the text ends otherwise;
 /// Error{kUsage} for numbers out of range, and for a length without a direction.
+/// "50 cm towards the window" has a thing instead of a direction (settled_motion.h).
 std::optional<ObjectMotion> take_motion(std::string& text);
-/// The same for "by 90", "90 degrees", "45 degrees clockwise".
+/// The same for "by 90", "90 degrees", "45 degrees clockwise", "a quarter turn to the left".
 std::optional<double> take_turn(std::string& text);
+/// Error{kUsage} where a text without a motion ends in a place: "chair to the window" needs a length.
+void refuse_place(const std::string& text);
 
 /// " by 0.5,0,-0.2 and turn by 90" as take_motion() reads it; empty without motion.
 std::string motion_text(const ObjectMotion& motion);

@@ -44,12 +44,63 @@ TEST(MotionText, LengthsHaveTheUnitsOfPeople) {
                                                         {"bed up 20 cm", " by 0,0.2,0"},
                                                         {"bed to the left by 0.5", " by -0.5,0,0"},
                                                         {"bed backwards 500 mm", " by 0,0,-0.5"},
-                                                        {"bed 2 upwards", " by 0,2,0"}}) {
+                                                        {"bed 2 upwards", " by 0,2,0"},
+                                                        {"bed 20cm higher", " by 0,0.2,0"},
+                                                        {"bed 1 meter towards the camera", " by 0,0,1"},
+                                                        {"bed 1 m left and 0.5 m back", " by -1,0,-0.5"}}) {
     EXPECT_EQ(taken(text), std::pair(std::string("bed"), std::string(motion))) << text;
   }
   for (const char* text : {"bed 50cm", "bed by 2 m", "bed 2000 m to the left"}) {
     std::string taken_from = text;
     EXPECT_THROW(take_motion(taken_from), Error) << text;
+  }
+}
+
+TEST(MotionText, ALengthTowardAThing) {
+  for (const char* text :
+       {"chair 50 cm towards the window", "chair by 0.5 m toward window", "chair 0.5m closer to the window",
+        "chair towards the window by 50 cm", "chair nearer to the window by 0.5 m"}) {
+    std::string rest = text;
+    const auto motion = take_motion(rest);
+    ASSERT_TRUE(motion) << text;
+    EXPECT_EQ(rest, "chair") << text;
+    EXPECT_EQ(motion->toward, "window") << text;
+    EXPECT_EQ(motion->distance, 0.5) << text;
+    EXPECT_TRUE(motion->in_metres) << text;
+  }
+  std::string away = "chair 1 away from the bed";
+  EXPECT_EQ(take_motion(away)->distance, -1);
+}
+
+TEST(MotionText, OnlyAUnitMakesMetres) {
+  std::string metres = "chair 0.5 m to the left", units = "chair 0.5 to the left", numbers = "chair by 0.5,0,0";
+  EXPECT_TRUE(take_motion(metres)->in_metres);
+  EXPECT_FALSE(take_motion(units)->in_metres);
+  EXPECT_FALSE(take_motion(numbers)->in_metres);
+}
+
+TEST(MotionText, AThingWithoutALengthIsRefused) {
+  for (const char* text : {"chair to the window", "chair towards the window", "chair next to the window"}) {
+    try {
+      refuse_place(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.details().remedy, testing::HasSubstr("0.5 m towards the window")) << text;
+    }
+  }
+  EXPECT_NO_THROW(refuse_place("chair"));
+}
+
+TEST(MotionText, PartsOfATurn) {
+  for (const auto& [text, degrees] :
+       std::vector<std::pair<const char*, double>>{{"chair a quarter turn", 90},
+                                                   {"chair by a quarter turn to the right", -90},
+                                                   {"chair half a turn", 180},
+                                                   {"chair a quarter of a turn", 90},
+                                                   {"chair by a quarter turn clockwise", -90}}) {
+    std::string rest = text;
+    EXPECT_EQ(take_turn(rest), degrees) << text;
+    EXPECT_EQ(rest, "chair") << text;
   }
 }
 

@@ -28,6 +28,8 @@ std::vector<std::string> verbs_near(const std::string& word) {
     return edit_distance(a, word) < edit_distance(b, word);
   });
   verbs.resize(std::min(verbs.size(), kReadings));
+  // Another word than any verb: what people do most is near enough.
+  if (3 * edit_distance(verbs.front(), word) > word.size()) return {"delete", "highlight", "extract"};
   return verbs;
 }
 
@@ -46,6 +48,29 @@ bool is_undo(const std::string& sentence) {
   } catch (const Error&) {
     return false;
   }
+}
+
+/// Whether the words ask for an undo, and do not tell which: the message about that says more than readings.
+bool is_unclear_undo(const std::string& sentence) {
+  try {
+    parse_undo(sentence);
+    return false;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+/// A word that is not known. Other errors have remedies of their own.
+bool is_about_a_word(const Error& error) {
+  const std::string& message = error.details().message;
+  return message.find("is no edit") != std::string::npos || message.find("there is no class") != std::string::npos ||
+         error.details().remedy.empty();
+}
+
+/// Words that change what is meant where they are left out.
+bool is_small_word(const std::string& word) {
+  constexpr std::string_view kSmall[] = {"but", "except", "without", "not", "no", "and", "or", "on", "in", "to", "of"};
+  return std::find(std::begin(kSmall), std::end(kSmall), word) != std::end(kSmall);
 }
 
 /// `object` with one stretch of its words replaced by a known name, so that it is understood; nearest first.
@@ -79,6 +104,17 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
       }
     }
   }
+  // A word that is no part of a name may be too much: "the red pillow" is a pillow.
+  for (const size_t begin : begins) {
+    for (const size_t end : ends) {
+      const bool is_last = end == object.size();
+      if (end <= begin || (is_last ? begin < 2 || object[begin - 2] == ',' : object[end] != ' ')) continue;
+      const std::string text = is_last ? object.substr(0, begin - 1) : object.substr(0, begin) + object.substr(end + 1);
+      const bool one_word = std::min(object.find(' ', begin), object.size()) == end;
+      if (one_word && !is_small_word(object.substr(begin, end - begin)) && is_understood(verb + " " + text, vocabulary))
+        readings.push_back({0, text});
+    }
+  }
   std::stable_sort(readings.begin(), readings.end(),
                    [](const Reading& a, const Reading& b) { return a.distance < b.distance; });
   std::vector<std::string> out;
@@ -92,7 +128,8 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
 
 std::vector<std::string> nearest_readings(std::string_view given, const Vocabulary& vocabulary) {
   const std::string text = lower_case(trimmed(given));
-  if (text.empty() || text.size() > kLongestSentence || is_understood(text, vocabulary)) return {};
+  if (text.empty() || text.size() > kLongestSentence || is_unclear_undo(text) || is_understood(text, vocabulary))
+    return {};
   const size_t blank = std::min(text.find(' '), text.size());
   const std::string first = text.substr(0, blank);
   constexpr std::string_view kUndo = "undo";
@@ -116,6 +153,7 @@ std::vector<std::string> nearest_readings(std::string_view given, const Vocabula
 }
 
 Error with_readings(const Error& error, std::string_view text, const Vocabulary& vocabulary) {
+  if (!is_about_a_word(error)) return error;
   std::string remedy;
   for (const std::string& reading : nearest_readings(text, vocabulary)) {
     remedy += (remedy.empty() ? "did you mean " : " or ") + ("\"" + reading + "\"");

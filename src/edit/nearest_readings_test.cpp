@@ -57,6 +57,24 @@ TEST_F(NearestReadings, EveryReadingIsUnderstood) {
 
 TEST_F(NearestReadings, WhatIsUnderstoodHasNone) { EXPECT_THAT(of("delete bed"), IsEmpty()); }
 
+TEST_F(NearestReadings, AWordTooMuchIsLeftOut) {
+  EXPECT_EQ(of("delete the red lamp")[0], "delete the lamp");
+  EXPECT_EQ(of("highlight the ugly bench")[0], "highlight the bench");
+  EXPECT_EQ(of("make the bed bigger").at(0), "delete the bed");
+}
+
+TEST_F(NearestReadings, AnotherVerbAsksForWhatPeopleDoMost) {
+  EXPECT_THAT(of("vacuum the bed"), ElementsAre("delete the bed", "highlight the bed", "extract the bed"));
+}
+
+TEST_F(NearestReadings, AnUnclearUndoHasNone) { EXPECT_THAT(of("put the bed back"), IsEmpty()); }
+
+TEST_F(NearestReadings, OnlyUnknownWordsGetReadings) {
+  const Error unclear(
+      {ErrorKind::kUsage, "\"largest pillows\" does not tell how many are meant", {}, {}, "say how many"});
+  EXPECT_EQ(with_readings(unclear, "delete the largest pillows", vocabulary_).details().remedy, "say how many");
+}
+
 TEST_F(NearestReadings, LongTextsHaveNone) { EXPECT_THAT(of("delete " + std::string(3000, 'x')), IsEmpty()); }
 
 }  // namespace

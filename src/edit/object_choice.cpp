@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "edit/relation/class_groups.h"
 
 namespace aligngs {
 namespace {
@@ -63,28 +64,82 @@ double measure(const RoomObjects& objects, size_t i, ObjectChoice choice, const 
 
 }  // namespace
 
-size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
-                     const std::string& what) {
-  if (candidates.size() == 1) return candidates[0];  // the left one as well as the largest
-  Vec3d right;
-  if (choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight) right = right_of_all(objects, candidates, what);
-  const bool is_size = choice == ObjectChoice::kLargest || choice == ObjectChoice::kSmallest ||
-                       choice == ObjectChoice::kWidest || choice == ObjectChoice::kNarrowest;
-  if (!is_size) up_of_viewer(objects.viewpoint());
-  std::vector<std::pair<double, size_t>> measured;
-  for (const size_t i : candidates) measured.emplace_back(-measure(objects, i, choice, right), i);
-  std::sort(measured.begin(), measured.end());
-  const double alike = is_place(choice) ? kAlikePlace : kAlikeSize * std::abs(measured[0].first);
-  std::vector<size_t> equal;
-  for (const auto& [value, i] : measured) {
-    if (value <= measured[0].first + alike) equal.push_back(i);
+namespace {
+
+/// Candidates from the one that has most of the choice downwards.
+class RankedObjects {
+ public:
+  RankedObjects(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
+                const std::string& what)
+      : objects_(objects), choice_(choice), what_(what) {
+    Vec3d right;
+    if (choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight)
+      right = right_of_all(objects, candidates, what);
+    const bool is_size = choice == ObjectChoice::kLargest || choice == ObjectChoice::kSmallest ||
+                         choice == ObjectChoice::kWidest || choice == ObjectChoice::kNarrowest;
+    if (!is_size) up_of_viewer(objects.viewpoint());
+    for (const size_t i : candidates) measured_.emplace_back(-measure(objects, i, choice, right), i);
+    std::sort(measured_.begin(), measured_.end());
   }
-  if (equal.size() > 1) {
+
+  size_t operator[](size_t k) const { return measured_[k].second; }
+
+  /// Error{kBadInput} where the ones before `count` and those from there on are alike.
+  void require_border(size_t count) const {
+    if (count == 0 || count >= measured_.size()) return;
+    const double last = measured_[count - 1].first;
+    const double alike = is_place(choice_) ? kAlikePlace : kAlikeSize * std::abs(last);
+    if (measured_[count].first > last + alike) return;
+    std::vector<size_t> equal;
+    for (const auto& [value, i] : measured_) {
+      if (std::abs(value - last) <= alike) equal.push_back(i);
+    }
     std::sort(equal.begin(), equal.end());
-    throw_bad_input({}, "--select", "\"" + what + "\" fits these alike: " + objects.names(equal),
+    throw_bad_input({}, "--select", "\"" + what_ + "\" fits these alike: " + objects_.names(equal),
                     "name one by its number");
   }
-  return measured[0].second;
+
+ private:
+  const RoomObjects& objects_;
+  ObjectChoice choice_;
+  const std::string& what_;
+  std::vector<std::pair<double, size_t>> measured_;
+};
+
+/// Walls, floor and ceiling are no single things: all walls are mostly one object, or pieces of any size.
+void refuse_shell(const RoomObjects& objects, size_t object, const std::string& what) {
+  const int label = objects[object].label;
+  if (is_of_group(objects.labels(), label, ClassGroup::kThings)) return;
+  const std::string& name = objects.labels().classes.at(static_cast<size_t>(label)).name;
+  throw_bad_input({}, "--select", "a " + name + " is not told from the rest, so that nothing is \"" + what + "\"",
+                  "say \"" + name + "\" for all of it, or draw a part on the page: aligngs view RUN");
+}
+
+}  // namespace
+
+size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
+                     const std::string& what, size_t rank) {
+  refuse_shell(objects, candidates[0], what);
+  if (candidates.size() == 1 && rank == 1) return candidates[0];  // the left one as well as the largest
+  if (rank > candidates.size()) {
+    throw_bad_input({}, "--select", "there is no \"" + what + "\": the room has " + objects.names(candidates),
+                    "name one by its number");
+  }
+  const RankedObjects ranked(objects, candidates, choice, what);
+  ranked.require_border(rank - 1);
+  ranked.require_border(rank);
+  return ranked[rank - 1];
+}
+
+std::vector<size_t> chosen_objects(const RoomObjects& objects, const std::vector<size_t>& candidates,
+                                   ObjectChoice choice, size_t count, const std::string& what) {
+  refuse_shell(objects, candidates[0], what);
+  const RankedObjects ranked(objects, candidates, choice, what);
+  ranked.require_border(count);
+  std::vector<size_t> out;
+  for (size_t k = 0; k < count; ++k) out.push_back(ranked[k]);
+  std::sort(out.begin(), out.end());
+  return out;
 }
 
 }  // namespace aligngs

@@ -15,7 +15,12 @@ namespace aligngs {
 /// compare the middles. Left and right are as a person sees who is at the mean place of the cameras, and looks at the
 /// middle of the candidates. Error{kBadInput} where a direction is not known, where candidates are behind that person,
 /// and where two candidates are nearly equal. `what` is named there.
+/// Walls, floor and ceiling are refused: all walls are mostly one object. `rank` is 2 for the second
+/// largest.
 size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
-                     const std::string& what);
+                     const std::string& what, size_t rank = 1);
+/// The first `count` of them: "the two largest pillows". There are more candidates than that.
+std::vector<size_t> chosen_objects(const RoomObjects& objects, const std::vector<size_t>& candidates,
+                                   ObjectChoice choice, size_t count, const std::string& what);
 
 }  // namespace aligngs

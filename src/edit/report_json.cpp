@@ -26,6 +26,7 @@ nlohmann::json report_json(const EditReport& report, const LabelSet& labels) {
           {"left_behind", contents},
           {"absent", report.absent},
           {"parts", parts},
+          {"warnings", report.warnings},
           {"replacement",
            report.replacement ? nlohmann::json(object_name(*report.replacement, labels)) : nlohmann::json(nullptr)},
           {"inserted_gaussians", report.inserted},

@@ -39,9 +39,33 @@ void take_meant_count(std::string_view& item, const Vocabulary& vocabulary, Sele
   term.count = count;
 }
 
+/// "The largest" and "the second largest".
+void take_ranked_choice(std::string_view& item, SelectionTerm& term) {
+  std::string_view rest = item;
+  const int rank = take_ordinal(rest);
+  term.choice = take_choice(rest);
+  if (term.choice == ObjectChoice::kNone) return;
+  if (rank > 0) term.rank = rank;
+  item = rest;
+}
+
+/// "The largest two pillows" are two. "The largest pillows" are how many?
+void take_chosen_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
+  if (term.count == 0) take_meant_count(item, vocabulary, term);
+  const std::string word = choice_word(term.choice);
+  if (term.count > 0 && term.rank > 1)
+    throw_usage("\"" + ordinal_text(term.rank) + " " + word + "\" means one object", "leave out one of the numbers");
+  if (term.count == 0 && term.rank == 1 && vocabulary.is_plural(item)) {
+    const std::string name(item);
+    throw_usage("\"" + word + " " + name + "\" does not tell how many are meant",
+                "say \"the two " + word + " " + name + "\", or name one of them");
+  }
+}
+
 [[noreturn]] void refuse_other(std::string_view name) {
   const std::string text(name);
-  throw_usage("\"other\" does not tell which objects stay: say \"every " + text + " but " + text + "#1\"");
+  throw_usage("\"other\" does not tell which objects stay",
+              "say which one stays: \"every " + text + " but " + text + "#1\"");
 }
 
 void refuse_number(std::string_view whole) {
@@ -64,10 +88,9 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
     item = without_quantifier(item);
   }
   if (!vocabulary.find(item)) term.choice = take_place(item);
-  if (!vocabulary.find(item) && term.choice == ObjectChoice::kNone) term.choice = take_choice(item);
+  if (!vocabulary.find(item) && term.choice == ObjectChoice::kNone) take_ranked_choice(item, term);
   if (is_a && term.choice != ObjectChoice::kNone) term.count = 0;
-  if (term.count > 0 && term.choice != ObjectChoice::kNone)
-    throw_usage("\"" + choice_word(term.choice) + "\" means one object", "leave out the number, or the word for it");
+  if (term.choice != ObjectChoice::kNone) take_chosen_count(item, vocabulary, term);
   if (!vocabulary.find(item)) {
     if (const auto group = find_group(item); group && (has_place || !group->needs_place)) {
       term.label = -1;
@@ -94,6 +117,8 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
   } else if (!vocabulary.find(item)) {
     numbers = take_spoken_number(item, vocabulary);
   }
+  if (item.empty() && !continues(terms, item, numbers))
+    throw_usage("\"" + std::string(whole) + "\" has no name", "objects have one before their number: \"pillow#2\"");
   if (!vocabulary.find(item) && continues(terms, item, numbers)) {
     term.label = terms.back().label;
     if (!item.empty()) numbers = item;

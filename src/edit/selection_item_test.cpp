@@ -101,6 +101,19 @@ TEST(SelectionItem, GroupsOfClasses) {
   EXPECT_EQ(understood("the thing on the table"), "things on table");
 }
 
+TEST(SelectionItem, SeveralOfTheLargest) {
+  for (const char* text : {"the two largest chairs", "the largest two chairs", "largest 2 chairs",
+                           "both largest chairs", "the 2 biggest chairs"})
+    EXPECT_EQ(understood(text), "2 largest chair") << text;
+  EXPECT_EQ(understood("the three smallest pillows on the bed"), "3 smallest pillow on bed");
+}
+
+TEST(SelectionItem, TheSecondLargest) {
+  EXPECT_EQ(understood("the second largest chair"), "2nd largest chair");
+  EXPECT_EQ(understood("3rd smallest chair"), "3rd smallest chair");
+  EXPECT_EQ(understood("the first largest chair"), "largest chair");
+}
+
 TEST(SelectionItem, PlacesNest) {
   EXPECT_EQ(understood("the lamp on the table near the window"), "lamp on table near windowpane");
   EXPECT_THAT(usage_error("a lamp on a table near a bed by a door under a window"), HasSubstr("three places"));
@@ -123,7 +136,9 @@ TEST(SelectionItem, WhatIsUnclearIsRefused) {
   EXPECT_THAT(usage_error("the pillow on the bedd"), HasSubstr("did you mean \"bed\""));
   EXPECT_THAT(usage_error("the other chair"), HasSubstr("every chair but chair#1"));
   EXPECT_THAT(usage_error("the second pillow on the bed"), HasSubstr("whole room"));
-  EXPECT_THAT(usage_error("both largest chairs"), HasSubstr("one object"));
+  EXPECT_THAT(usage_error("the largest chairs"), HasSubstr("the two largest chairs"));
+  EXPECT_THAT(usage_error("the left curtains"), HasSubstr("how many"));
+  EXPECT_THAT(usage_error("the second largest two chairs"), HasSubstr("one object"));
   for (const char* text : {"on the bed", "the pillow on", "everything but everything", "the pillow on the"})
     usage_error(text);
 }

@@ -18,12 +18,13 @@ struct SelectionTerm {
   int label = 0;     ///< class number; -1 with `named` and `group`
   int instance = 0;  ///< 1, 2, ... as in scene.labels.ply, largest object first; 0 = all objects of the class
   ObjectChoice choice = ObjectChoice::kNone;  ///< instead of a number, until meant_objects.h finds the number
+  int rank = 1;                               ///< among `choice`: 2 of "the second largest"
   std::string named{};                        ///< name of a selection (named_selection.h)
   /// of `named`: one flag per Gaussian of the room, once room_selections.h has found them
   std::shared_ptr<const std::vector<uint8_t>> rows{};
   // The following are gone when meant_objects.h has found the objects.
-  ClassGroup group = ClassGroup::kNone;         ///< "all furniture"
-  int count = 0;                                ///< objects that are meant: 2 of "both pillows"; 0: any number
+  ClassGroup group = ClassGroup::kNone;  ///< "all furniture"
+  int count = 0;  ///< objects that are meant: 2 of "both pillows" and "the two largest"; 0: any number
   std::shared_ptr<const RelatedTo> relation{};  ///< "on the bed"; null: anywhere
 
   /// Whether the objects of the room tell what is meant.

@@ -92,10 +92,17 @@ std::string spelled_out(std::string_view excluded, const SelectionQuery& query, 
   return with_name(excluded, labels.classes.at(static_cast<size_t>(query.include.front().label)).name);
 }
 
+/// "largest", "2 largest" or "2nd largest".
+std::string choice_text(const SelectionTerm& term) {
+  const std::string word = choice_word(term.choice);
+  if (term.count > 1) return std::to_string(term.count) + " " + word;
+  return term.rank > 1 ? ordinal_text(term.rank) + " " + word : word;
+}
+
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
   if (!term.named.empty()) return term.named;
   const std::string name = term.label < 0 ? std::string(group_name(term.group)) : labels.classes.at(term.label).name;
-  std::string text = term.choice != ObjectChoice::kNone ? choice_word(term.choice) + " " + name
+  std::string text = term.choice != ObjectChoice::kNone ? choice_text(term) + " " + name
                      : term.instance                    ? name + "#" + std::to_string(term.instance)
                      : term.count > 1                   ? std::to_string(term.count) + " x " + name
                      : term.relation && term.count == 0 ? "all " + name
@@ -131,7 +138,7 @@ std::string terms_text(const std::vector<SelectionTerm>& terms, const LabelSet& 
 
 void sort_terms(std::vector<SelectionTerm>& terms) {
   const auto key = [](const SelectionTerm& t) {
-    return std::tie(t.label, t.instance, t.choice, t.named, t.group, t.count, t.relation);
+    return std::tie(t.label, t.instance, t.choice, t.rank, t.named, t.group, t.count, t.relation);
   };
   std::sort(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
   terms.erase(std::unique(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),

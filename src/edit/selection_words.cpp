@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <tuple>
 
 #include "core/letter_case.h"
 #include "edit/vocabulary.h"
@@ -72,7 +73,7 @@ bool take_phrase(std::string_view& item, std::string_view phrase) {
 
 int number_of(std::string_view text) {
   text = trimmed(text);
-  for (const std::string_view prefix : {"number ", "no. ", "nr. "}) {
+  for (const std::string_view prefix : {"number ", "no. ", "no ", "nr. "}) {
     if (lower_case(text.substr(0, prefix.size())) == prefix) text = trimmed(text.substr(prefix.size()));
   }
   if (!text.empty() && text.front() == '#') text.remove_prefix(1);
@@ -239,6 +240,12 @@ int ordinal_number(std::string_view given) {
   return 0;
 }
 
+std::string ordinal_text(int number) {
+  const int tens = number / 10 % 10, ones = number % 10;
+  const size_t end = tens == 1 || ones < 1 || ones > 3 ? 3 : static_cast<size_t>(ones) - 1;
+  return std::to_string(number) + std::string(kOrdinalEnds[end]);
+}
+
 int take_ordinal(std::string_view& item) {
   std::string_view rest = trimmed(item);
   take_phrase(rest, "the");
@@ -250,8 +257,12 @@ int take_ordinal(std::string_view& item) {
 }
 
 std::pair<int, int> object_numbers(std::string_view text) {
-  const size_t dash = text.find('-'), word = find_word(text, "to");
-  const size_t part = std::min(dash, word), width = part == dash ? 1 : 2;
+  size_t part = text.find('-'), width = 1;
+  constexpr std::string_view kLongDash = "\xe2\x80\x93";
+  if (const size_t at = text.find(kLongDash); at < part) std::tie(part, width) = std::pair(at, kLongDash.size());
+  for (const std::string_view word : {"to", "through"}) {
+    if (const size_t at = find_word(text, word); at < part) std::tie(part, width) = std::pair(at, word.size());
+  }
   if (part == std::string_view::npos) {
     const int n = number_of(text);
     return {n, n};

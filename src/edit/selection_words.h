@@ -67,6 +67,9 @@ std::string_view without_filler(std::string_view item);
 /// 2 of "second" and of "2nd", in any case; 0 of any other word.
 int ordinal_number(std::string_view word);
 
+/// "2nd" for 2.
+std::string ordinal_text(int number);
+
 /// Takes "the second" or "2nd" off the begin of an item: its number; 0 where it begins otherwise.
 int take_ordinal(std::string_view& item);
 

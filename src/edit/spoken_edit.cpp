@@ -21,14 +21,20 @@ const std::vector<Phrase>& phrases() {
       {any_case("(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase) +(\\S.*)"), "delete $1"},
       {any_case("(?:clear|empty) +(\\S.*)"), "delete everything on $1"},
       {any_case("(?:take|remove) +(\\S.*\\S) +(?:off|from)(?: +of)? +(\\S.*)"), "delete $1 on $2"},
-      {any_case("(?:take|throw) +(\\S.*\\S) +(?:away|out)"), "delete $1"},
+      {any_case("(?:take|throw) +(\\S.*\\S) +(?:away|out(?: +of +(?:the|my) +room)?)"), "delete $1"},
       {any_case("make +(\\S.*\\S) +(?:disappear|vanish|go away)"), "delete $1"},
-      {any_case("(?:show|keep|leave) +(?:only|just) +(\\S.*)"), "keep $1"},
+      {any_case("(?:show|keep|leave) +(?:me +)?(?:only|just) +(\\S.*)"), "keep $1"},
       {any_case("only +(?:show|keep|leave) +(\\S.*)"), "keep $1"},
+      {any_case("(?:show|keep|leave) +(\\S.*\\S) +only"), "keep $1"},
+      {any_case("isolate +(\\S.*)"), "keep $1"},
+      {any_case("(?:lift|raise) +(\\S.*\\S)(?: +up)?(?: +by)? +([0-9]\\S*(?: *[a-z]+)?)"), "move $1 $2 up"},
+      {any_case("lower +(\\S.*\\S)(?: +by)? +([0-9]\\S*(?: *[a-z]+)?)"), "move $1 $2 down"},
+      {any_case("clone +(\\S.*)"), "copy $1"},
+      {any_case("(?:make|create) +(?:a +copy|a +duplicate|a +clone|another +copy) +of +(\\S.*)"), "copy $1"},
       {any_case("(?:swap|exchange|substitute) +(\\S.*?\\S) +(?:for|with|by) +(\\S.*)"), "replace $1 with $2"},
       {any_case("replace +((?:(?! with ).)*?\\S) +by +(\\S.*)"), "replace $1 with $2"},
       {any_case("(?:change|set) +(?:the +)?colou?r +of +(\\S.*\\S) +(?:in)?to +(\\S.*)"), "recolor $1 to $2"},
-      {any_case("(?:put|shift|slide|pull) +(\\S.*)"), "move $1"},
+      {any_case("(?:put|shift|slide|pull|nudge|drag) +(\\S.*)"), "move $1"},
       {any_case("(turn|rotate) +(\\S.*\\S) +(?:around|round)"), "$1 $2 by 180"}};
   return all;
 }

@@ -26,9 +26,17 @@ TEST(SpokenEdit, ThingsAreTakenOffOthers) {
   EXPECT_EQ(plain_edit("remove all books from the shelf"), "delete all books on the shelf");
 }
 
+TEST(SpokenEdit, Copies) {
+  for (const char* text : {"clone the lamp", "make a copy of the lamp", "create another copy of the lamp"})
+    EXPECT_EQ(plain_edit(text), "copy the lamp") << text;
+}
+
 TEST(SpokenEdit, KeepOnly) {
+  EXPECT_EQ(plain_edit("show me only the bed"), "keep the bed");
   EXPECT_EQ(plain_edit("show only the bed"), "keep the bed");
   EXPECT_EQ(plain_edit("only keep the bed"), "keep the bed");
+  EXPECT_EQ(plain_edit("keep the bed only"), "keep the bed");
+  EXPECT_EQ(plain_edit("isolate the bed"), "keep the bed");
 }
 
 TEST(SpokenEdit, AColorAtTheEndRecolors) {
@@ -49,6 +57,12 @@ TEST(SpokenEdit, MovesInWords) {
   EXPECT_EQ(parse_edit("put the armchair 1 m back").motion.shift.z, -1);
   EXPECT_EQ(parse_edit("move the armchair half a metre to the left").motion.shift.x, -0.5);
   EXPECT_EQ(parse_edit("slide the armchair a metre to the right").motion.shift.x, 1);
+}
+
+TEST(SpokenEdit, UpAndDown) {
+  EXPECT_EQ(parse_edit("lift the lamp by 10 cm").motion.shift.y, 0.1);
+  EXPECT_EQ(parse_edit("raise the painting 20cm").motion.shift.y, 0.2);
+  EXPECT_EQ(parse_edit("lower the painting by 0.2 m").motion.shift.y, -0.2);
 }
 
 TEST(SpokenEdit, WhatIsPlainStays) {

@@ -12,6 +12,12 @@ namespace aligngs {
 namespace {
 
 constexpr std::string_view kUndoVerbs[] = {"undo", "revert", "take back"};
+constexpr std::string_view kOneBack[] = {"go back", "step back", "go back one step", "one step back", "back"};
+/// Words for taking something back, of which nobody knows how much.
+constexpr std::string_view kVague[] = {
+    "redo",    "reset",         "start over",          "start again", "restore",
+    "cancel",  "put back",      "put it back",         "bring back",  "bring it back",
+    "restart", "put them back", "put everything back", "do over"};
 constexpr std::string_view kNoMeaning[] = {"the", "edit", "edits", "change", "changes", "number",
                                            "no.", "that", "it",    "my",     "of",      "steps"};
 constexpr std::string_view kPlurals[] = {"edits", "changes", "steps", "times"};
@@ -69,6 +75,16 @@ std::optional<UndoRequest> parse_undo(std::string_view given) {
     throw_usage("\"" + text.substr(0, 40) + "\" does not tell which edit to undo",
                 "say \"undo\", \"undo the last two edits\", \"undo everything\" or \"undo #2\"; the oldest edit is the "
                 "first");
+  }
+  if (is_one_of_words(kOneBack, text)) return UndoRequest{};
+  const bool is_vague = std::any_of(std::begin(kVague), std::end(kVague), [&](std::string_view words) {
+    return text == words || text.starts_with(std::string(words) + " ");
+  });
+  const bool puts_back = text.starts_with("put ") && text.ends_with(" back");  // "put the rug back"
+  if (is_vague || puts_back) {
+    throw_usage("\"" + text.substr(0, 40) + "\" does not tell what is taken back",
+                "did you mean \"undo\", \"undo the last two edits\" or \"undo everything\"? What was undone is done "
+                "again by its own words");
   }
   return std::nullopt;
 }

@@ -41,6 +41,16 @@ TEST(UndoWords, WhatIsNotClearIsRefused) {
     EXPECT_THROW(parse_undo(text), Error) << text;
 }
 
+TEST(UndoWords, AStepBackIsOne) {
+  for (const char* text : {"go back", "step back", "one step back"})
+    EXPECT_EQ(parse_undo(text), (UndoRequest{0, 1})) << text;
+}
+
+TEST(UndoWords, PuttingBackAsksHowMuch) {
+  for (const char* text : {"put it back", "put the rug back", "bring back the rug", "restore the rug", "reset", "redo"})
+    EXPECT_THROW(parse_undo(text), Error) << text;
+}
+
 TEST(UndoWords, TheLatestEditsAreTakenOffAList) {
   std::vector<EditOperation> edits;
   for (const char* text : {"delete bed", "delete lamp", "delete rug"}) edits.push_back(parse_edit(text));

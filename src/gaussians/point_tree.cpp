@@ -34,12 +34,16 @@ void PointTree::nearest(const Vec3f& query, size_t k, std::vector<Neighbour>& ou
   out.clear();
   k = std::min(k, size());
   if (k == 0) return;
-  std::vector<uint32_t> index(k);
-  std::vector<float> squared(k);
+  thread_local std::vector<uint32_t> index;
+  thread_local std::vector<float> squared;
+  index.resize(k);
+  squared.resize(k);
   const size_t found = tree_->nearest(query, k, index.data(), squared.data());
   for (size_t i = 0; i < found; ++i) out.push_back({index[i], std::sqrt(squared[i])});
   std::sort(out.begin(), out.end(), nearer);
 }
+
+bool PointTree::any_within(const Vec3f& query, double distance) const { return tree_->any_within(query, distance); }
 
 void PointTree::within(const Vec3f& query, float radius, std::vector<Neighbour>& out) const {
   out.clear();

@@ -27,6 +27,8 @@ class PointTree {
   const Vec3f& point(size_t i) const;
   /// At most k neighbours of `query`; the point itself counts when it is in the tree.
   void nearest(const Vec3f& query, size_t k, std::vector<Neighbour>& out) const;
+  /// Whether a point is at most `distance` away: the same as asking for the nearest one, and quicker.
+  bool any_within(const Vec3f& query, double distance) const;
   /// All points with distance < radius; for trees of points that lie apart, as the answer may be all of them.
   void within(const Vec3f& query, float radius, std::vector<Neighbour>& out) const;
   /// Their numbers alone, in no order.

@@ -1,6 +1,7 @@
 // The kd-tree of nanoflann over points in space. A heavy header: for .cpp files only.
 #pragma once
 
+#include <cmath>
 #include <nanoflann.hpp>
 #include <utility>
 #include <vector>
@@ -25,6 +26,14 @@ class KdTree {
     if (cloud_.points.empty()) return 0;
     const Real q[3] = {query.x, query.y, query.z};
     return index_.knnSearch(q, k, index, squared);
+  }
+  /// Whether a point is at most `distance` away, with distances rounded as the roots of squared ones are.
+  bool any_within(const Vec3<Real>& query, double distance) const {
+    if (cloud_.points.empty()) return false;
+    const Real q[3] = {query.x, query.y, query.z};
+    AnyWithin result{distance};
+    index_.findNeighbors(result, q, nanoflann::SearchParams());
+    return result.found;
   }
   /// All points with a squared distance below the given one, nearest first.
   void within(const Vec3<Real>& query, Real squared, std::vector<std::pair<uint32_t, Real>>& found) const {
@@ -54,6 +63,17 @@ class KdTree {
     template <class Box>
     bool kdtree_get_bbox(Box&) const {
       return false;
+    }
+  };
+  /// A result set for nanoflann that ends the search at the first point.
+  struct AnyWithin {
+    double distance;
+    bool found = false;
+    double worstDist() const { return distance * distance * (1 + 1e-5); }  // beyond the rounding of Real
+    bool full() const { return found; }
+    bool addPoint(Real squared, uint32_t) {
+      found |= static_cast<double>(std::sqrt(squared)) <= distance;
+      return !found;
     }
   };
   using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, Cloud>, Cloud, 3, uint32_t>;

@@ -38,7 +38,7 @@ export interface EditList {
 }
 export interface EditReport {
   edit: string; objects: { object: string; gaussians: number }[]; selected_gaussians: number; gaussians_before: number;
-  gaussians_after: number; filled_gaussians: number; left_behind: string[]; absent: string[]; picture?: string | null; view?: string;
+  gaussians_after: number; filled_gaussians: number; left_behind: string[]; absent: string[]; warnings: string[]; picture?: string | null; view?: string;
 }
 
 /// Whether the page came from a file, without a server.

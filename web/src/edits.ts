@@ -169,6 +169,7 @@ function summary(r: EditReport): string {
   const objects = r.objects.map((o) => o.object).join(', ');
   const absent = r.absent.length ? `; the room has no ${r.absent.join(', ')}` : '';
   const left = r.left_behind.length ? `; left behind: ${r.left_behind.join(', ')}` : '';
+  const warnings = r.warnings.map((text) => `; warning: ${text}`).join('');
   const counts = `${r.selected_gaussians.toLocaleString('en')} of ${r.gaussians_before.toLocaleString('en')} Gaussians`;
-  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians.toLocaleString('en')} new ones close the hole` : ''}${left}${absent}`;
+  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians.toLocaleString('en')} new ones close the hole` : ''}${left}${absent}${warnings}`;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "edit/fill/debris.h"
@@ -37,10 +38,18 @@ std::vector<uint8_t> with_seam(const FillRoom& r, const PlaneGrid& grid, const s
   return wide;
 }
 
+void add_hole(const FillRoom& r, const PlaneGrid& grid, std::vector<uint8_t> cells,
+              const std::vector<uint32_t>& carriers, std::vector<SurfaceHole>& holes) {
+  SurfaceHole hole{grid, std::move(cells), {}};
+  if (hole.is_empty()) return;
+  hole.carriers = r.clean(carriers, r.settings.halo);
+  holes.push_back(std::move(hole));
+}
+
 /// The hole of a shell plane, divided among the surface itself and the rugs on it.
-std::vector<SupportPatch> patches_of(const FillRoom& r, const RoomPlane& plane, const PlaneGrid& grid,
-                                     std::vector<uint8_t> hole) {
-  std::vector<SupportPatch> patches;
+std::vector<SurfaceHole> holes_of(const FillRoom& r, const RoomPlane& plane, const PlaneGrid& grid,
+                                  std::vector<uint8_t> hole) {
+  std::vector<SurfaceHole> holes;
   if (plane.kind == PlaneKind::kFloor) {
     for (const Instance& rug : list_instances(r.room.model, r.room.labels)) {
       if (!r.classes[static_cast<size_t>(rug.label)].on_floor) continue;
@@ -58,15 +67,15 @@ std::vector<SupportPatch> patches_of(const FillRoom& r, const RoomPlane& plane, 
           hole[at] = 0;
         }
       }
-      patches.push_back(make_patch(r.room, grid, part, r.clean(rows, r.settings.halo)));
+      add_hole(r, grid, std::move(part), rows, holes);
     }
   }
-  patches.push_back(make_patch(r.room, grid, hole, r.clean(plane.carriers, r.settings.halo)));
-  return patches;
+  add_hole(r, grid, std::move(hole), plane.carriers, holes);
+  return holes;
 }
 
 /// A surface of the shell continues where the object touched it, and where it hid it from most photos.
-std::vector<SupportPatch> fill_shell(const FillRoom& r, const RoomPlane& plane) {
+std::vector<SurfaceHole> shell_holes(const FillRoom& r, const RoomPlane& plane) {
   std::vector<Vec3d> points;
   for (const uint32_t i : plane.carriers) points.push_back(position_of(r.room.model, i));
   std::vector<const std::vector<uint8_t>*> touching;
@@ -105,7 +114,7 @@ std::vector<SupportPatch> fill_shell(const FillRoom& r, const RoomPlane& plane) 
       1);
   const double gap = r.settings.gap * r.extent / grid.cell;
   close_gaps(grid, closed, static_cast<size_t>(gap * gap), hole);
-  return patches_of(r, plane, grid, with_seam(r, grid, cover, barred, hole));
+  return holes_of(r, plane, grid, with_seam(r, grid, cover, barred, hole));
 }
 
 }  // namespace
@@ -115,13 +124,17 @@ Filling fill_removed(const FillInput& input, const FillSettings& settings) {
   Filling filling;
   filling.debris = find_debris(room);
   room.take_away(filling.debris);
+  std::vector<SurfaceHole> holes;
+  const auto add = [&](std::vector<SurfaceHole> more) {
+    holes.insert(holes.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
   for (const RoomPlane& plane : room.planes) {
-    if (plane.carriers.size() < FillRoom::kFewestCarriers) continue;
-    for (SupportPatch& patch : fill_shell(room, plane)) filling.patches.push_back(std::move(patch));
+    if (plane.carriers.size() >= FillRoom::kFewestCarriers) add(shell_holes(room, plane));
   }
-  for (const std::vector<uint8_t>& part : room.parts) {
-    for (SupportPatch& patch : fill_furniture(room, part)) filling.patches.push_back(std::move(patch));
-  }
+  for (const std::vector<uint8_t>& part : room.parts) add(furniture_holes(room, part));
+  filling.patches.resize(holes.size());
+  room.for_each(
+      holes.size(), [&](size_t k) { filling.patches[k] = make_patch(room.room, holes[k]); }, 1);
   std::erase_if(filling.patches, [](const SupportPatch& p) { return p.sources.empty(); });
   return filling;
 }

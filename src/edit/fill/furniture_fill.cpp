@@ -28,13 +28,13 @@ bool is_plate(const FillRoom& r, const PlaneGrid& grid, const PlaneRectangle& bo
 
 }  // namespace
 
-std::vector<SupportPatch> fill_furniture(const FillRoom& r, const std::vector<uint8_t>& part) {
+std::vector<SurfaceHole> furniture_holes(const FillRoom& r, const std::vector<uint8_t>& part) {
   std::vector<uint8_t> candidates(r.room.model.size(), 0);
   for (size_t i = 0; i < candidates.size(); ++i) {
     const uint16_t label = r.room.labels.label[i];
     candidates[i] = label != kNoLabel && label < r.classes.size() && r.classes[label].furniture;
   }
-  std::vector<SupportPatch> patches;
+  std::vector<SurfaceHole> holes;
   for (const SupportPlane& plane : find_supports(r.room, part, r.gone, candidates, r.input.up)) {
     // The furniture that most of the carriers are of.
     std::map<std::pair<uint16_t, uint16_t>, size_t> votes;
@@ -64,9 +64,9 @@ std::vector<SupportPatch> fill_furniture(const FillRoom& r, const std::vector<ui
                    bounds.holds({i + 0.5, j + 0.5}, 1) && !r.hidden.is_open(grid.at(i + 0.5, j + 0.5));
       }
     }
-    patches.push_back(make_patch(r.room, grid, hole, r.clean(rows, r.settings.halo)));
+    holes.push_back({grid, std::move(hole), r.clean(rows, r.settings.halo)});
   }
-  return patches;
+  return holes;
 }
 
 }  // namespace aligngs

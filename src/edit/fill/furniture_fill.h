@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// At most two patches: of the plane under a part of the removed objects, and of the one behind it. Legs are no plate, and
+/// At most two holes: in the plane under a part of the removed objects, and in the one behind it. Legs are no plate, and
 /// stay apart. A place that photos looked through stays open.
-std::vector<SupportPatch> fill_furniture(const FillRoom& r, const std::vector<uint8_t>& part);
+std::vector<SurfaceHole> furniture_holes(const FillRoom& r, const std::vector<uint8_t>& part);
 
 }  // namespace aligngs

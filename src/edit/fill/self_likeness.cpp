@@ -30,24 +30,39 @@ Vec3f main_axis(const TextureMap& map) {
   return axis.cast<float>();
 }
 
-/// A square of complex numbers with its discrete Fourier transform.
+/// The smallest number from `least` on that has no other prime factors than 2, 3 and 5: a transform of such a length
+/// is quick.
+int quick_length(int least) {
+  for (int n = std::max(1, least);; ++n) {
+    int rest = n;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return n;
+  }
+}
+
+/// A rectangle of complex numbers with its discrete Fourier transform.
 class Spectrum {
  public:
-  explicit Spectrum(int side) : side_(side), values_(static_cast<size_t>(side) * static_cast<size_t>(side)) {}
+  Spectrum(int columns, int rows)
+      : columns_(columns), rows_(rows), values_(static_cast<size_t>(columns) * static_cast<size_t>(rows)) {}
   std::complex<float>& at(int i, int j) {
-    return values_[static_cast<size_t>(j) * static_cast<size_t>(side_) + static_cast<size_t>(i)];
+    return values_[static_cast<size_t>(j) * static_cast<size_t>(columns_) + static_cast<size_t>(i)];
   }
   /// The value at a shift, which may be negative.
-  float real(int i, int j) { return at((i + side_) % side_, (j + side_) % side_).real(); }
+  float real(int i, int j) { return at((i + columns_) % columns_, (j + rows_) % rows_).real(); }
   /// Only lines below `lines` have values that are not 0.
   void forward(int lines) {
-    for (int j = 0; j < lines; ++j) line(j, 1, false);  // the transform of zeros is zeros
-    for (int i = 0; i < side_; ++i) line(i, side_, false);
+    for (int j = 0; j < lines; ++j) row(j, false);  // the transform of zeros is zeros
+    for (int i = 0; i < columns_; i += kBlock) columns(i, std::min(i + kBlock, columns_), false);
   }
   /// Values are right in the columns from -reach to reach alone.
   void inverse(int reach) {
-    for (int j = 0; j < side_; ++j) line(j, 1, true);
-    for (int i = -std::min(reach, side_ / 2); i <= reach && 2 * i < side_; ++i) line((i + side_) % side_, side_, true);
+    for (int j = 0; j < rows_; ++j) row(j, true);
+    const int right = std::min(reach + 1, columns_), left = std::max(right, columns_ - reach);
+    for (int i = 0; i < right; i += kBlock) columns(i, std::min(i + kBlock, right), true);
+    for (int i = left; i < columns_; i += kBlock) columns(i, std::min(i + kBlock, columns_), true);
   }
   /// Correlation: conj(this) * other.
   void correlate(const Spectrum& other) {
@@ -55,30 +70,51 @@ class Spectrum {
   }
 
  private:
-  /// Transforms one row (step 1) or one column (step side).
-  void line(int number, int step, bool back) {
-    const size_t n = static_cast<size_t>(side_), stride = static_cast<size_t>(step);
-    const size_t first = static_cast<size_t>(number) * (step == 1 ? n : 1);
-    in_.resize(n);
-    for (size_t k = 0; k < n; ++k) in_[k] = values_[first + k * stride];
+  static constexpr int kBlock = 8;  ///< columns that are read together: a line of the cache
+
+  void row(int j, bool back) {
+    const auto first = values_.begin() + static_cast<std::ptrdiff_t>(j) * columns_;
+    in_.assign(first, first + columns_);
+    transform(back);
+    std::copy(out_.begin(), out_.end(), first);
+  }
+  void columns(int begin, int end, bool back) {
+    const size_t height = static_cast<size_t>(rows_), width = static_cast<size_t>(end - begin);
+    block_.resize(height * width);
+    for (size_t j = 0; j < height; ++j) {
+      const std::complex<float>* line = &at(begin, static_cast<int>(j));
+      for (size_t k = 0; k < width; ++k) block_[k * height + j] = line[k];
+    }
+    for (size_t k = 0; k < width; ++k) {
+      const auto first = block_.begin() + static_cast<std::ptrdiff_t>(k * height);
+      in_.assign(first, first + rows_);
+      transform(back);
+      std::copy(out_.begin(), out_.end(), first);
+    }
+    for (size_t j = 0; j < height; ++j) {
+      std::complex<float>* line = &at(begin, static_cast<int>(j));
+      for (size_t k = 0; k < width; ++k) line[k] = block_[k * height + j];
+    }
+  }
+  /// From in_ to out_.
+  void transform(bool back) {
     if (back)
       fft_.inv(out_, in_);
     else
       fft_.fwd(out_, in_);
-    for (size_t k = 0; k < n; ++k) values_[first + k * stride] = out_[k];
   }
-  int side_;
+
+  int columns_, rows_;
   Eigen::FFT<float> fft_;
-  std::vector<std::complex<float>> values_, in_, out_;
+  std::vector<std::complex<float>> values_, in_, out_, block_;
 };
 
 }  // namespace
 
 SelfLikeness::SelfLikeness(const TextureMap& map, int reach, size_t fewest) : reach_(reach) {
   const Vec3f axis = main_axis(map);
-  int side = 16;
-  while (side < std::max(map.columns, map.rows) + reach) side *= 2;
-  Spectrum value(side), square(side), mask(side);
+  const int columns = quick_length(map.columns + reach), rows = quick_length(map.rows + reach);
+  Spectrum value(columns, rows), square(columns, rows), mask(columns, rows);
   for (int j = 0; j < map.rows; ++j) {
     for (int i = 0; i < map.columns; ++i) {
       if (!map.knows(i, j)) continue;

@@ -11,6 +11,7 @@ namespace aligngs {
 namespace {
 
 constexpr int kMostCubes = 256;    ///< per side: 16 MB in all
+constexpr int kBlock = 4;          ///< cubes along the edge of a block
 constexpr double kOwnCubes = 2.5;  ///< before the place: a surface seen at a slant does not hide itself
 
 /// Places of a Gaussian's disc, at most half a cube apart: a surface of few large Gaussians has no gaps for a ray.
@@ -61,6 +62,31 @@ SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& s
       at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>((p[a] - low_[a]) / cube_);
     filled_[at] = 1;
   }
+  find_clear_blocks();
+}
+
+void SolidSpace::find_clear_blocks() {
+  const auto index = [&](int i, int j, int k) {
+    return (static_cast<size_t>(i) * static_cast<size_t>(blocks_[1]) + static_cast<size_t>(j)) *
+               static_cast<size_t>(blocks_[2]) +
+           static_cast<size_t>(k);
+  };
+  for (int a = 0; a < 3; ++a) blocks_[a] = (counts_[a] - 1) / kBlock + 1;
+  clear_.assign(static_cast<size_t>(blocks_[0]) * static_cast<size_t>(blocks_[1]) * static_cast<size_t>(blocks_[2]), 1);
+  size_t at = 0;
+  for (int x = 0; x < counts_[0]; ++x) {
+    for (int y = 0; y < counts_[1]; ++y) {
+      for (int z = 0; z < counts_[2]; ++z) {
+        if (!filled_[at++]) continue;
+        const int i = x / kBlock, j = y / kBlock, k = z / kBlock;
+        for (int u = std::max(0, i - 1); u <= std::min(i + 1, blocks_[0] - 1); ++u) {
+          for (int v = std::max(0, j - 1); v <= std::min(j + 1, blocks_[1] - 1); ++v) {
+            for (int w = std::max(0, k - 1); w <= std::min(k + 1, blocks_[2] - 1); ++w) clear_[index(u, v, w)] = 0;
+          }
+        }
+      }
+    }
+  }
 }
 
 bool SolidSpace::hides(const Vec3d& eye, const Vec3d& place) const {
@@ -84,14 +110,20 @@ bool SolidSpace::hides(const Vec3d& eye, const Vec3d& place) const {
   to = std::min(to, 1 - kOwnCubes * cube_ / length);
   const double step = 0.5 * cube_ / length;
   for (double t = from; t <= to; t += step) {
-    size_t at = 0;
+    size_t at = 0, block = 0;
     bool within = true;
     for (int a = 0; a < 3; ++a) {
       const double cubes = (eye[a] + d[a] * t - low_[a]) / cube_;
       within = within && cubes >= 0 && cubes < counts_[a];
-      if (within) at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>(static_cast<int>(cubes));
+      if (!within) break;
+      const int cube = static_cast<int>(cubes);
+      at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>(cube);
+      block = block * static_cast<size_t>(blocks_[a]) + static_cast<size_t>(cube / kBlock);
     }
-    if (within && filled_[at]) return true;
+    if (!within) continue;
+    if (filled_[at]) return true;
+    // No step is longer than half a cube, so that the next ones stay in this block and those beside it.
+    for (int skipped = 0; clear_[block] && skipped < 2 * kBlock - 1; ++skipped) t += step;
   }
   return false;
 }

@@ -21,10 +21,14 @@ class SolidSpace {
   bool hides(const Vec3d& eye, const Vec3d& place) const;
 
  private:
+  void find_clear_blocks();
+
   double cube_ = 1;
   Vec3d low_;
   int counts_[3] = {0, 0, 0};
   std::vector<uint8_t> filled_;
+  int blocks_[3] = {0, 0, 0};
+  std::vector<uint8_t> clear_;  ///< per block of cubes: neither it nor a block beside it has a filled cube
 };
 
 }  // namespace aligngs

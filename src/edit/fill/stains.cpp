@@ -31,9 +31,7 @@ Stains::Surface Stains::surface_of(std::vector<uint32_t> rows) const {
 }
 
 bool Stains::is_near(const PointTree& tree, const Vec3f& place, double share) const {
-  std::vector<PointTree::Neighbour> near;
-  tree.nearest(place, 1, near);
-  return !near.empty() && near.front().distance <= share * room_.extent;
+  return tree.any_within(place, share * room_.extent);
 }
 
 bool Stains::is_stain(size_t row, const Surface& surface) const {

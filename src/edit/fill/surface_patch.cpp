@@ -38,12 +38,13 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
   const PointTree tree(points);
   std::vector<PointTree::Neighbour> near;
   std::vector<uint32_t> out;
+  std::vector<float> values;
   for (size_t k = 0; k < carriers.size(); ++k) {
     tree.nearest(points[k], kNeighbours, near);
     const Vec3f own = constant_of(room.model, carriers[k]);
     bool stray = false;
     for (int c = 0; c < 3; ++c) {
-      std::vector<float> values;
+      values.clear();
       for (const PointTree::Neighbour& n : near) values.push_back(constant_of(room.model, carriers[n.index])[c]);
       const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
       std::nth_element(values.begin(), middle, values.end());
@@ -176,12 +177,14 @@ void add_mesh(const LabelledGaussians& room, const PlaneGrid& grid, const std::v
 
 }  // namespace
 
-SupportPatch make_patch(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
-                        const std::vector<uint32_t>& carriers) {
+SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& open) {
+  const PlaneGrid& grid = open.grid;
+  const std::vector<uint8_t>& hole = open.cells;
+  const std::vector<uint32_t>& carriers = open.carriers;
   SupportPatch patch;
   patch.gaussians.semantic_channels = room.model.semantic_channels;
   patch.gaussians.sh_degree = room.model.sh_degree;
-  if (carriers.empty() || std::find(hole.begin(), hole.end(), uint8_t(1)) == hole.end()) return patch;
+  if (carriers.empty() || open.is_empty()) return patch;
   const std::vector<uint32_t> rows = without_strays(room, carriers);
   std::vector<Vec3f> points;
   for (const uint32_t i : rows) points.push_back(position_of(room.model, i).cast<float>());

@@ -1,6 +1,7 @@
 // New Gaussians and new mesh for the cells of a plane.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -17,11 +18,18 @@ struct SupportPatch {
   TriangleMesh mesh;              ///< the same area, one cell wider
 };
 
-/// Fills the cells marked in `hole` from the carriers: rows of Gaussians that lie on the plane and are of the surface
-/// that continues. Their constant harmonics are continued smoothly (surface_colors.h); the others are the carriers'
+/// A hole in a surface, before it is filled.
+struct SurfaceHole {
+  PlaneGrid grid;
+  std::vector<uint8_t> cells;      ///< 1 for those of the hole
+  std::vector<uint32_t> carriers;  ///< rows that lie on the plane and are of the surface that continues
+
+  bool is_empty() const { return std::find(cells.begin(), cells.end(), uint8_t(1)) == cells.end(); }
+};
+
+/// Fills the cells of a hole from the carriers. Their constant harmonics are continued smoothly (surface_colors.h); the others are the carriers'
 /// mean. Without carriers the patch is empty.
-SupportPatch make_patch(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
-                        const std::vector<uint32_t>& carriers);
+SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& hole);
 
 /// `more` after `patch`.
 void append_patch(SupportPatch& patch, const SupportPatch& more);

@@ -1,0 +1,107 @@
+#include "edit/out_of_room.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "edit/fill/carrying_classes.h"
+#include "edit/fill/room_planes.h"
+#include "edit/row_flags.h"
+#include "gaussians/gaussian_geometry.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kBeyond = 0.017;  // / extent: 5 cm
+constexpr double kStray = 0.02;    // share of the object's Gaussians that may lie anywhere
+
+enum BeyondPlace : size_t { kWallPlace, kFloorPlace, kCeilingPlace, kOutside, kBeyondPlaces };
+using Depths = std::array<double, kBeyondPlaces>;
+
+BeyondPlace place_of(PlaneKind kind) {
+  if (kind == PlaneKind::kFloor) return kFloorPlace;
+  return kind == PlaneKind::kCeiling ? kCeilingPlace : kWallPlace;
+}
+
+class Shell {
+ public:
+  Shell(const EditableRoom& room, const std::vector<uint8_t>& selected)
+      : reach_(kBeyond * room.gaussians.extent),
+        up_(room.up.value_or(Vec3d{})),
+        planes_(room_planes(room.gaussians, carrying_classes(room.labels), selected,
+                            place_inside(room.gaussians, room.cameras))) {
+    for (const RoomPlane& plane : planes_) {
+      for (int a = 0; a < 3; ++a) {
+        low_[a] = std::min(low_[a], plane.low[a]);
+        high_[a] = std::max(high_[a], plane.high[a]);
+      }
+    }
+  }
+
+  bool is_known() const { return !planes_.empty(); }
+
+  /// How far places reach beyond each kind of plane, and out of the box around all of them.
+  Depths depths(const std::vector<Vec3d>& places) const {
+    std::array<std::vector<double>, kBeyondPlaces> all;
+    for (const Vec3d& p : places) {
+      Depths one{};
+      for (const RoomPlane& plane : planes_) {
+        const double height = dot(plane.normal, p) - plane.offset;
+        const Vec3d foot = p - plane.normal * height;
+        bool near = height < 0;
+        for (int a = 0; a < 3; ++a)
+          near = near && foot[a] > plane.low[a] - reach_ && foot[a] < plane.high[a] + reach_;
+        if (near) one[place_of(plane.kind)] = std::max(one[place_of(plane.kind)], -height);
+      }
+      Vec3d beside;  // to the box around all planes, level: a room may have no ceiling
+      for (int a = 0; a < 3; ++a) beside[a] = p[a] - std::clamp(p[a], low_[a], high_[a]);
+      one[kOutside] = norm(beside - up_ * dot(up_, beside));
+      for (size_t k = 0; k < kBeyondPlaces; ++k) all[k].push_back(one[k]);
+    }
+    Depths out{};
+    for (size_t k = 0; k < kBeyondPlaces; ++k) {
+      const auto deep = all[k].begin() + static_cast<std::ptrdiff_t>((1 - kStray) * static_cast<double>(all[k].size()));
+      if (deep == all[k].end()) continue;
+      std::nth_element(all[k].begin(), deep, all[k].end());
+      out[k] = *deep;
+    }
+    return out;
+  }
+
+ private:
+  double reach_;
+  Vec3d up_;
+  std::vector<RoomPlane> planes_;
+  Vec3d low_{1e300, 1e300, 1e300}, high_{-1e300, -1e300, -1e300};
+};
+
+}  // namespace
+
+std::string out_of_room(const EditableRoom& room, const std::vector<uint8_t>& selected, const Similarity& motion) {
+  const Shell shell(room, selected);
+  if (!shell.is_known()) return "";
+  std::vector<Vec3d> before, after;
+  for (size_t i = 0; i < selected.size(); ++i) {
+    if (!selected[i] || opacity_of(room.gaussians.model, i) < kSolidOpacity) continue;
+    before.push_back(position_of(room.gaussians.model, i));
+    after.push_back(motion * before.back());
+  }
+  if (before.empty()) return "";
+  const Depths was = shell.depths(before), is = shell.depths(after);
+  size_t worst = kBeyondPlaces;
+  double most = kBeyond * room.gaussians.extent;
+  for (size_t k = 0; k < kBeyondPlaces; ++k) {
+    const double deeper = is[k] - was[k];
+    if (deeper < most) continue;
+    most = deeper;
+    worst = k;
+  }
+  if (worst == kBeyondPlaces) return "";
+  constexpr const char* kWords[] = {"into a wall", "below the floor", "above the ceiling", "out of the room"};
+  const std::string length =
+      room.metric ? fmt::format("{:.0f} cm", 100 * is[worst]) : fmt::format("{:.2g} scene units", is[worst]);
+  return fmt::format("the object reaches {} {}", length, kWords[worst]);
+}
+
+}  // namespace aligngs

@@ -1,0 +1,45 @@
+#include "edit/out_of_room.h"
+
+#include <gmock/gmock.h>
+
+#include "edit/small_room_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+using testing::HasSubstr;
+
+/// The small room: a floor of 2.4 m by 1.6 m without walls.
+class OutOfRoom : public testing::Test {
+ protected:
+  OutOfRoom() : room_(small_room::make(pool_)) {
+    room_.metric = true;
+    for (const uint16_t l : room_.gaussians.labels.label) box_.push_back(l == small_room::kBox);
+  }
+  std::string after(const Vec3d& shift) {
+    Similarity motion;
+    motion.translation = shift;
+    return out_of_room(room_, box_, motion);
+  }
+  ThreadPool pool_{2};
+  EditableRoom room_;
+  std::vector<uint8_t> box_;
+};
+
+TEST_F(OutOfRoom, AMotionInsideSaysNothing) {
+  EXPECT_EQ(after({0.5, 0, 0}), "");
+  EXPECT_EQ(after({0, -1, 0}), "") << "nothing is above";
+}
+
+TEST_F(OutOfRoom, BelowTheFloor) { EXPECT_THAT(after({0, 0.3, 0}), HasSubstr("below the floor")); }
+
+TEST_F(OutOfRoom, BesideTheRoom) { EXPECT_THAT(after({3, 0, 0}), HasSubstr("out of the room")); }
+
+TEST_F(OutOfRoom, LengthsHaveTheUnitOfTheRoom) {
+  EXPECT_THAT(after({0, 0.3, 0}), HasSubstr(" cm "));
+  room_.metric = false;
+  EXPECT_THAT(after({0, 0.3, 0}), HasSubstr("scene units"));
+}
+
+}  // namespace
+}  // namespace aligngs
