@@ -11,7 +11,7 @@
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
-#include "core/freed_memory.h"
+#include "core/free_memory.h"
 #include "edit/edit_log.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"

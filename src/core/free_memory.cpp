@@ -21,4 +21,14 @@ void return_large_arrays_at_once() {
 #endif
 }
 
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kLargest = 1 << 25;  // bytes; glibc takes no larger threshold
+  constexpr int kNever = 1 << 30;    // bytes, more than a process frees at its end
+  mallopt(M_ARENA_MAX, 1);
+  mallopt(M_MMAP_THRESHOLD, kLargest);
+  mallopt(M_TRIM_THRESHOLD, kNever);
+#endif
+}
+
 }  // namespace aligngs

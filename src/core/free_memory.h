@@ -11,4 +11,8 @@ void give_back_free_memory();
 /// 32 MB of an array for later, in pieces that nothing large fits into. For a process that runs for hours.
 void return_large_arrays_at_once();
 
+/// Freed memory stays with the process, in one arena, for what it allocates next: the system then clears fewer pages.
+/// For a process that ends soon, before threads start. An edit takes about a twentieth less time with it.
+void keep_freed_memory();
+
 }  // namespace aligngs

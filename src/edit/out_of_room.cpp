@@ -50,8 +50,7 @@ class Shell {
         const double height = dot(plane.normal, p) - plane.offset;
         const Vec3d foot = p - plane.normal * height;
         bool near = height < 0;
-        for (int a = 0; a < 3; ++a)
-          near = near && foot[a] > plane.low[a] - reach_ && foot[a] < plane.high[a] + reach_;
+        for (int a = 0; a < 3; ++a) near = near && foot[a] > plane.low[a] - reach_ && foot[a] < plane.high[a] + reach_;
         if (near) one[place_of(plane.kind)] = std::max(one[place_of(plane.kind)], -height);
       }
       Vec3d beside;  // to the box around all planes, level: a room may have no ceiling
