@@ -286,8 +286,8 @@ void finish_capture(Capture& capture) {
   leave_out_eight_bits(capture);
   require_enough(capture.folder, capture.frames.size(), capture.left_out, 1, false);
   if (capture.frames.empty())
-    throw_bad_input(capture.folder, "frames", "no frame with a finite pose was found",
-                    "check the folder and its poses");
+    throw_bad_input(capture.folder, "frames", "no frame is listed, or no photo is there",
+                    "check the folder, its photos and its poses");
   place_near_origin(capture);
 }
 
