@@ -5,6 +5,7 @@
 #include "core/edit_distance.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/file_system_error.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
 
@@ -70,7 +71,7 @@ void BatchFolder::prepare(const Batch& batch) const {
   for (const char* part : {"rooms", "records", "leases", "logs"}) {
     fs::create_directories(folder_ / part, error);
     if (error)
-      throw_resources(folder_ / part, "cannot be created: " + error.message(), "choose a place you may write to");
+      throw_resources(folder_ / part, "cannot be created: " + error.message(), remedy_for_write(error.value()));
   }
   const std::string text = json_document(to_json(batch));
   if (!fs::exists(list(), error) || read_file(list(), kLargestList) != text) write_file_atomically(list(), text);

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "io/file_system_error.h"
 #include "io/json_text.h"
 
 namespace aligngs {
@@ -203,7 +204,7 @@ std::optional<Lease> Lease::take(const fs::path& leases, const std::string& room
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (descriptor < 0) {
     if (errno == EEXIST) return std::nullopt;
-    throw_resources(file, std::string("cannot be created: ") + std::strerror(errno), "choose a place you may write to");
+    throw_resources(file, std::string("cannot be created: ") + std::strerror(errno), remedy_for_write(errno));
   }
   const nlohmann::json lease = {{"host", host_name()},
                                 {"pid", getpid()},

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "io/file_system_error.h"
 #include "serve/page_notes.h"
 #include "serve/room_scale_service.h"
 
@@ -83,7 +84,7 @@ std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const 
   std::error_code error;
   std::filesystem::create_directories(run, error);
   if (error)
-    throw_resources(run, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
+    throw_resources(run, "the run folder cannot be created: " + error.message(), remedy_for_write(error.value()));
   PageServerOptions options;
   options.server.run = run;
   options.server.expect_run = true;

@@ -126,7 +126,7 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
   } closer{descriptor};
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || S_ISDIR(status.st_mode)) {
-    throw_bad_input(path, "", "not a file", "check the path");
+    throw_bad_input(path, "", "this is a folder, not a file", "name a file");
   }
   const auto refuse_size = [&] {
     throw_bad_input(path, "", "larger than " + std::to_string(limit) + " bytes", "check that this is the right file");

@@ -94,9 +94,15 @@ std::vector<ColmapPoint> parse_points_binary(const std::string& bytes, const fs:
   return points;
 }
 
-/// "<folder>/<stem>.bin" or ".txt", whichever is there.
+/// "<folder>/<stem>.bin" or ".txt", whichever is there. The binary goes first, unless the text alone has cameras and
+/// images: a file that another model left behind is not mixed with it.
 std::optional<fs::path> find_file(const fs::path& folder, const std::string& stem) {
-  for (const char* extension : {".bin", ".txt"}) {
+  const auto is_whole = [&](const char* extension) {
+    return fs::is_regular_file(folder / (std::string("cameras") + extension)) &&
+           fs::is_regular_file(folder / (std::string("images") + extension));
+  };
+  const bool text_first = is_whole(".txt") && !is_whole(".bin");
+  for (const char* extension : {text_first ? ".txt" : ".bin", text_first ? ".bin" : ".txt"}) {
     const fs::path path = folder / (stem + extension);
     if (fs::is_regular_file(path)) return path;
   }
@@ -131,19 +137,21 @@ uint64_t count_images(const fs::path& folder) {
 
 /// A sentence where a model is there as binary and as text, and the two differ; else empty.
 std::string choice_of_kind(const fs::path& folder) {
-  const fs::path binary = folder / "images.bin", text = folder / "images.txt";
-  if (!fs::is_regular_file(binary) || !fs::is_regular_file(text)) return "";
-  const uint64_t used = images_in(binary);
+  const auto used_file = find_file(folder, "images");
+  if (!used_file) return "";
+  const fs::path other_file = folder / (used_file->extension() == ".bin" ? "images.txt" : "images.bin");
+  if (!fs::is_regular_file(other_file)) return "";
+  const uint64_t used = images_in(*used_file);
   uint64_t other = 0;
   try {
-    other = images_in(text);
+    other = images_in(other_file);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     return "";  // no model, and not used
   }
   if (used == other) return "";
-  return binary.string() + " is used, with " + std::to_string(used) + " images; images.txt beside it has " +
-         std::to_string(other);
+  return used_file->string() + " is used, with " + std::to_string(used) + " images; " + other_file.filename().string() +
+         " beside it has " + std::to_string(other);
 }
 
 /// The numbered models (0, 1, ...) of a mapper's output folder.
@@ -197,17 +205,23 @@ std::vector<fs::path> places_of_models(const fs::path& scene_folder) {
   return {scene_folder / "sparse", scene_folder, scene_folder / "colmap" / "sparse", scene_folder / "colmap"};
 }
 
-/// Folders in a folder that hold a model each, by name; empty where there is none.
-std::string models_one_level_down(const fs::path& folder) {
-  std::vector<std::string> found;
+/// Folders in a folder that hold a model each, by name.
+std::vector<fs::path> models_one_level_down(const fs::path& folder) {
+  std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_model_folder(entry->path())) found.push_back(entry->path().string());
+    if (is_model_folder(entry->path())) found.push_back(entry->path());
   }
   std::sort(found.begin(), found.end());
-  std::string list;
-  for (const std::string& name : found) list += (list.empty() ? "" : ", ") + name;
-  return list;
+  return found;
+}
+
+/// The only model in a folder of another name beside images/, as ETH3D has it; empty where there is none.
+fs::path model_beside_photos(const fs::path& scene_folder) {
+  std::error_code error;
+  if (!fs::is_directory(scene_folder / "images", error)) return {};
+  const std::vector<fs::path> models = models_one_level_down(scene_folder);
+  return models.size() == 1 ? models.front() : fs::path();
 }
 
 }  // namespace
@@ -251,7 +265,7 @@ bool may_hold_colmap_model(const fs::path& scene_folder) {
        {"sparse", "cameras.bin", "cameras.txt", "colmap/sparse", "colmap/cameras.bin", "colmap/cameras.txt"}) {
     if (fs::exists(scene_folder / name)) return true;
   }
-  return false;
+  return !model_beside_photos(scene_folder).empty();
 }
 
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder) {
@@ -262,7 +276,10 @@ std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_fold
   for (const fs::path& folder : {scene_folder / "sparse" / "0", scene_folder / "sparse", scene_folder}) {
     if (fs::exists(folder / "points3D.ply")) require_file(folder, "cameras");  // says what that file is
   }
-  const std::string deeper = models_one_level_down(scene_folder);
+  if (const fs::path beside = model_beside_photos(scene_folder); !beside.empty()) return beside;
+  std::string deeper;
+  for (const fs::path& model : models_one_level_down(scene_folder))
+    deeper += (deeper.empty() ? "" : ", ") + model.string();
   throw_bad_input(
       scene_folder, "sparse", "no COLMAP model found (cameras and images, .bin or .txt)",
       deeper.empty() ? "put it into sparse/ or sparse/0/" : "name one of the folders that hold one: " + deeper);
@@ -282,7 +299,8 @@ std::string choice_of_model(const fs::path& scene_folder) {
     return "model " + best->filename().string() + " of " + folder.string() + " is used, with " +
            std::to_string(count_images(*best)) + " images (" + others + "); models of one mapper run share no world";
   }
-  return "";
+  const fs::path beside = model_beside_photos(scene_folder);
+  return beside.empty() ? "" : "the model in " + beside.string() + " is used";
 }
 
 }  // namespace aligngs

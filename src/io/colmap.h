@@ -45,14 +45,14 @@ struct ColmapModel {
   size_t points_left_out = 0;     ///< without a finite position, or beyond 1e18
 };
 
-/// Reads cameras, images, points3D from a folder; .bin is preferred over .txt, each file by itself, and a points3D.ply
+/// Reads cameras, images, points3D from a folder. A whole model of .bin is preferred over one of .txt, and a points3D.ply
 /// counts where there is neither. Points may be absent. Entries that cannot be used go to `left_out`; unknown camera
 /// models, missing and truncated files are Error{kBadInput} with file and field.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
                                  const std::filesystem::path& folder_for_errors);
 /// Finds sparse/, the folder itself or colmap/sparse/ (nerfstudio's place), each with or without numbered models (0, 1,
-/// ...) below it. Takes the one with most images.
+/// ...) below it. Takes the one with most images. Else the only model in a folder of another name beside images/.
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder);
 /// A sentence that says which of several numbered models was taken and why; empty when there is one.
 std::string choice_of_model(const std::filesystem::path& scene_folder);

@@ -119,12 +119,38 @@ TEST(Colmap, EmptyKeypointLinesKeepTheImagesApart) {
   EXPECT_EQ(read_colmap_model(folder).images.size(), 3u);
 }
 
-TEST(Colmap, BinaryIsPreferredFileByFile) {
-  const fs::path folder = text_model("mixed", kCamerasText, "this text is not read\n");
-  const fs::path binary = model_folder("mixed_binary");
-  write_colmap_binary(binary, small_model());
-  fs::copy_file(binary / "images.bin", folder / "images.bin");
+TEST(Colmap, BinaryIsPreferredWhereItIsWhole) {
+  const fs::path folder = text_model("whole_binary", kCamerasText, "this text is not read\n");
+  write_colmap_binary(folder, small_model());
   EXPECT_EQ(read_colmap_model(folder).images.size(), 2u);
+}
+
+TEST(Colmap, AFileThatAnotherModelLeftIsNotMixedWithAWholeText) {
+  const fs::path folder = text_model("left_binary", kCamerasText, kImagesText);
+  const fs::path other = model_folder("left_binary_other");
+  ColmapModel small = small_model();
+  small.cameras[0].params[0] = 1;
+  small.images.pop_back();
+  write_colmap_binary(other, small);
+  for (const char* file : {"cameras.bin", "images.bin"}) {
+    fs::copy_file(other / file, folder / file);
+    const ColmapModel model = read_colmap_model(folder);
+    EXPECT_EQ(model.cameras[0].params[0], 500) << file;
+    EXPECT_EQ(model.images.size(), 2u) << file;
+    fs::remove(folder / file);
+  }
+}
+
+TEST(Colmap, TheOnlyModelBesideThePhotosIsFoundUnderAnyName) {
+  const fs::path scene = model_folder("any_name");
+  write_colmap_binary(scene / "dslr_calibration_undistorted", small_model());
+  EXPECT_FALSE(may_hold_colmap_model(scene)) << "a folder with models and no photos";
+  fs::create_directories(scene / "images" / "dslr_images_undistorted");
+  EXPECT_TRUE(may_hold_colmap_model(scene));
+  EXPECT_EQ(find_colmap_folder(scene), scene / "dslr_calibration_undistorted");
+  EXPECT_THAT(choice_of_model(scene), HasSubstr("dslr_calibration_undistorted is used"));
+  write_colmap_binary(scene / "dslr_calibration_jpg", small_model());
+  EXPECT_FALSE(may_hold_colmap_model(scene)) << "two models, of which neither is meant more";
 }
 
 TEST(Colmap, TwoKindsOfOneModelThatDifferAreTold) {

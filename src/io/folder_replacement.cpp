@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/file_system_error.h"
 #include "io/folder_copy.h"
 #include "io/output_place.h"
 
@@ -47,7 +48,7 @@ FolderReplacement::FolderReplacement(const fs::path& target) : target_(real_plac
     return;
   }
   forget_temporary_path(temporary_);
-  throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+  throw_resources(target_, "the folder cannot be created: " + error.message(), remedy_for_write(error.value()));
 }
 
 FolderReplacement::~FolderReplacement() {

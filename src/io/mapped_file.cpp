@@ -79,7 +79,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
   }
   struct stat status {};
   if (::fstat(file.number, &status) != 0 || !S_ISREG(status.st_mode))
-    throw_bad_input(path, "", "not a file", "check the path");
+    throw_bad_input(path, "", "this is not a file", "name a file");
   size_ = static_cast<uint64_t>(status.st_size);
   if (size_ == 0) return;
   void* const mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.number, 0);

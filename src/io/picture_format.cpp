@@ -32,4 +32,9 @@ bool has_extension(const std::filesystem::path& file, const std::vector<std::str
 
 bool has_picture_extension(const std::filesystem::path& file) { return has_extension(file, picture_extensions()); }
 
+bool is_video_name(const std::filesystem::path& file) {
+  static const std::vector<std::string> kExtensions = {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mts", ".3gp"};
+  return has_extension(file, kExtensions);
+}
+
 }  // namespace aligngs

@@ -22,4 +22,7 @@ bool has_extension(const std::filesystem::path& file, const std::vector<std::str
 /// Whether the file has one of picture_extensions().
 bool has_picture_extension(const std::filesystem::path& file);
 
+/// Whether the file has the extension of a video (.mp4, .mov, .m4v, .mkv, .webm, .avi, .mts, .3gp), in any case.
+bool is_video_name(const std::filesystem::path& file);
+
 }  // namespace aligngs

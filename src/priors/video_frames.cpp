@@ -10,7 +10,6 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "io/file_system_error.h"
-#include "io/picture_format.h"
 #include "priors/child_process.h"
 #include "priors/frame_choice.h"
 #include "priors/video_probe.h"
@@ -78,11 +77,6 @@ std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int heigh
 }
 
 }  // namespace
-
-bool is_video_name(const fs::path& file) {
-  static const std::vector<std::string> kExtensions = {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mts", ".3gp"};
-  return has_extension(file, kExtensions);
-}
 
 void require_readable_video(const fs::path& video) {
   if (!fs::is_regular_file(video))

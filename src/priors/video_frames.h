@@ -4,11 +4,9 @@
 #include <filesystem>
 
 #include "core/progress.h"
+#include "io/picture_format.h"
 
 namespace aligngs {
-
-/// Whether the file has the extension of a video (.mp4, .mov, .m4v, .mkv, .webm, .avi, .mts, .3gp), in any case.
-bool is_video_name(const std::filesystem::path& file);
 
 struct VideoFramesOptions {
   int views = 40;  ///< frames to take, at most; the length of a capture by hand

@@ -10,7 +10,7 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kMostViews = 24;
-constexpr int kColumns = 12, kRows = 9;  // samples of a view
+constexpr size_t kSamples = 2592;        // of all views together: few views have more each, since they share less
 constexpr size_t kFewSamples = 50;       // fewer tell nothing
 constexpr double kContradiction = 0.06;  // relative: noise of sensors and of tracking stays below
 constexpr double kExplained = 0.3;       // of the difference as the depth is
@@ -33,11 +33,13 @@ std::vector<size_t> chosen_views(size_t count) {
   return views;
 }
 
-std::vector<DepthSample> samples_of(size_t view, const Camera& camera, const ImageF& depth) {
+std::vector<DepthSample> samples_of(size_t view, const Camera& camera, const ImageF& depth, size_t count) {
   std::vector<DepthSample> samples;
-  for (int row = 0; row < kRows; ++row) {
-    for (int column = 0; column < kColumns; ++column) {
-      const int x = (2 * column + 1) * depth.width / (2 * kColumns), y = (2 * row + 1) * depth.height / (2 * kRows);
+  const int rows = std::max(1, static_cast<int>(std::lround(std::sqrt(0.75 * static_cast<double>(count)))));
+  const int columns = static_cast<int>(count) / rows;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int x = (2 * column + 1) * depth.width / (2 * columns), y = (2 * row + 1) * depth.height / (2 * rows);
       const double z = depth.at(x, y);
       if (z > 0) samples.push_back({view, camera.ray(x + 0.5, y + 0.5), z});
     }
@@ -73,20 +75,55 @@ std::vector<double> factors() {
   return all;
 }
 
+/// The cameras if their matrices were read wrongly in this way. There are several for inverted ones: of either axes. Axes
+/// of the world change nothing.
+std::vector<Rigidd> reread(PoseMisreading reading, const Rigidd& world_to_camera) {
+  const Rigidd turn{Mat3d{{1, 0, 0, 0, -1, 0, 0, 0, -1}}, {}};
+  const Rigidd inverse = world_to_camera.inverse();
+  return reading == PoseMisreading::kAxes ? std::vector{turn * world_to_camera} : std::vector{inverse, turn * inverse};
+}
+
+/// Whether a difference explains what another contradicts.
+bool explains(double difference, size_t samples, const DepthAgreement& as_it_is) {
+  const bool little_shared = as_it_is.samples < kFewSamples;
+  if (little_shared)
+    return samples >= kManySamples && samples >= kTimesMore * as_it_is.samples && difference < kSurface;
+  return samples >= kFewSamples && difference < kExplained * as_it_is.difference;
+}
+
+/// Sets the misreading that explains the most.
+void find_misreading(const std::vector<DepthSample>& samples, const std::vector<size_t>& views,
+                     std::span<const Camera> cameras, std::span<const ImageF> depths, DepthAgreement& agreement) {
+  agreement.read_difference = agreement.difference;
+  for (const PoseMisreading reading : {PoseMisreading::kAxes, PoseMisreading::kInverted}) {
+    const size_t ways = reread(reading, {}).size();
+    for (size_t way = 0; way < ways; ++way) {
+      std::vector<Camera> read(cameras.begin(), cameras.end());
+      for (Camera& camera : read) camera.world_to_camera = reread(reading, camera.world_to_camera)[way];
+      const std::vector<double> all = differences(samples, views, read, depths, 1);
+      if (all.empty()) continue;
+      const double difference = median_of(all);
+      if (difference >= agreement.read_difference || difference >= kSurface ||
+          !explains(difference, all.size(), agreement))
+        continue;
+      agreement.misreading = reading;
+      agreement.read_difference = difference;
+    }
+  }
+}
+
 }  // namespace
 
 bool DepthAgreement::has_other_unit() const {
-  if (std::fmax(factor, 1 / factor) < kSameUnit || scaled_samples < kFewSamples) return false;
-  if (samples < kFewSamples)
-    return scaled_samples >= kManySamples && scaled_samples >= kTimesMore * samples && scaled_difference < kSurface;
-  return difference > kContradiction && scaled_difference < kExplained * difference;
+  if (std::fmax(factor, 1 / factor) < kSameUnit) return false;
+  return difference > kContradiction && explains(scaled_difference, scaled_samples, *this);
 }
 
 DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const ImageF> depths) {
   const std::vector<size_t> views = chosen_views(cameras.size());
   std::vector<DepthSample> samples;
   for (const size_t view : views) {
-    const std::vector<DepthSample> of_view = samples_of(view, cameras[view], depths[view]);
+    const std::vector<DepthSample> of_view = samples_of(view, cameras[view], depths[view], kSamples / views.size());
     samples.insert(samples.end(), of_view.begin(), of_view.end());
   }
   DepthAgreement agreement;
@@ -95,15 +132,21 @@ DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const 
   agreement.difference = as_it_is.size() < kFewSamples ? 1 : median_of(as_it_is);
   agreement.scaled_difference = agreement.difference;
   if (agreement.difference <= kContradiction) return agreement;
-  for (const double factor : factors()) {
+  const auto try_factor = [&](double factor) {
     const std::vector<double> scaled = differences(samples, views, cameras, depths, factor);
-    if (scaled.size() < kFewSamples) continue;
+    if (scaled.size() < std::max(kFewSamples, as_it_is.size() / 3)) return;  // by chance, a few always agree
     if (const double difference = median_of(scaled); difference < agreement.scaled_difference) {
       agreement.scaled_difference = difference;
       agreement.scaled_samples = scaled.size();
       agreement.factor = factor;
     }
+  };
+  for (const double factor : factors()) try_factor(factor);
+  for (double octaves = 0.125; agreement.factor != 1 && octaves > 0.01; octaves /= 2) {  // between the steps
+    const double middle = agreement.factor;
+    for (const double side : {-octaves, octaves}) try_factor(middle * std::exp2(side));
   }
+  find_misreading(samples, views, cameras, depths, agreement);
   return agreement;
 }
 

@@ -1,4 +1,4 @@
-// Whether depth maps of several views and their cameras have one unit, told without any other points.
+// Whether depth maps of several views and their cameras have one unit and one convention, told without any other points.
 #pragma once
 
 #include <span>
@@ -8,6 +8,13 @@
 
 namespace aligngs {
 
+/// How matrices are read wrongly: all cameras of a capture at once.
+enum class PoseMisreading {
+  kNone,
+  kAxes,     ///< y and z of the cameras are turned round: OpenGL's axes for OpenCV's, or the reverse
+  kInverted  ///< world-to-camera for camera-to-world, or the reverse, of any axes
+};
+
 struct DepthAgreement {
   /// Median relative difference of a view's depth and another's surface; 1 where hardly any place is seen twice.
   double difference = 0;
@@ -15,6 +22,9 @@ struct DepthAgreement {
   double factor = 1;             ///< depth times this agrees best
   double scaled_difference = 0;  ///< the difference then
   size_t scaled_samples = 0;
+  /// The reading of the matrices that makes depth agree as it is; kNone where none does.
+  PoseMisreading misreading = PoseMisreading::kNone;
+  double read_difference = 0;  ///< the difference then
   /// Whether another unit explains what the depth as it is contradicts.
   bool has_other_unit() const;
 };

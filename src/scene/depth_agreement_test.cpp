@@ -56,6 +56,30 @@ TEST(DepthAgreement, DepthInAnotherUnitIsNoticedAndItsFactorFound) {
   }
 }
 
+/// Few views share little, so that each needs more samples.
+TEST(DepthAgreement, ThreeViewsSufficeForAnotherUnit) {
+  for (const double unit : {4.0, 5.0}) {
+    const BoxViews box(unit, 1.2, 20);
+    const DepthAgreement agreement = depth_agreement({box.cameras.data(), 3}, {box.depths.data(), 3});
+    EXPECT_TRUE(agreement.has_other_unit()) << unit << ": " << agreement.scaled_samples;
+    EXPECT_NEAR(agreement.factor * unit, 1, 0.05) << unit;
+  }
+}
+
+TEST(DepthAgreement, MatricesOfAnotherConventionAreTold) {
+  const Rigidd turn{Mat3d{{1, 0, 0, 0, -1, 0, 0, 0, -1}}, {}};
+  const BoxViews box(1);
+  const auto told = [&](auto misread) {
+    std::vector<Camera> cameras = box.cameras;
+    for (Camera& camera : cameras) camera.world_to_camera = misread(camera.world_to_camera);
+    return depth_agreement(cameras, box.depths).misreading;
+  };
+  EXPECT_EQ(told([](const Rigidd& pose) { return pose; }), PoseMisreading::kNone);
+  EXPECT_EQ(told([&](const Rigidd& pose) { return turn * pose; }), PoseMisreading::kAxes);
+  EXPECT_EQ(told([](const Rigidd& pose) { return pose.inverse(); }), PoseMisreading::kInverted);
+  EXPECT_EQ(told([&](const Rigidd& pose) { return (turn * pose).inverse(); }), PoseMisreading::kInverted);
+}
+
 /// Some factor always fits by chance where hardly any place is seen twice.
 TEST(DepthAgreement, ViewsThatShareHardlyAnythingTellNothing) {
   const BoxViews box(1, 0.6, 60);

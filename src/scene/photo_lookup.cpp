@@ -21,12 +21,17 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, error);
 }
 
-/// A name without the extension of a picture, also of kinds that are not read; other dots belong to the name.
-std::string stem_of(const fs::path& file) {
+/// Whether the extension is that of a picture, also of kinds that are not read.
+bool is_named_like_picture(const fs::path& file) {
   static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png", ".tif",  ".tiff", ".heic", ".heif",
                                                ".webp", ".bmp",  ".ppm", ".avif", ".gif",  ".exr",  ".dng",
                                                ".cr2",  ".nef",  ".arw", ".jp2",  ".jpe",  ".jfif"};
-  return kKnown.count(lower_case(file.extension().string())) ? file.stem().string() : file.filename().string();
+  return kKnown.count(lower_case(file.extension().string())) > 0;
+}
+
+/// A name without such an extension; other dots belong to the name.
+std::string stem_of(const fs::path& file) {
+  return is_named_like_picture(file) ? file.stem().string() : file.filename().string();
 }
 
 std::string listed(const std::vector<fs::path>& files) {
@@ -96,7 +101,26 @@ PhotoLookup::Answer PhotoLookup::find(const std::string& given) const {
     if (decided(answer)) return answer;
   }
   const std::string decoded = percent_decoded(name);  // after all rules for the name as it is written
-  return decoded.empty() ? Answer{{}, kMissing} : find(decoded);
+  if (!decoded.empty()) return find(decoded);
+  const std::string unread = of_unread_kind(name);
+  return {{}, unread.empty() ? kMissing : unread + " is of a kind that is not read: convert it to PNG or JPEG"};
+}
+
+std::string PhotoLookup::of_unread_kind(const std::string& name) const {
+  for (const Folders& folders : places_) {
+    for (const fs::path& folder : folders) {
+      const fs::path wanted = folder / name;
+      std::error_code error;
+      for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end;
+           entry.increment(error)) {
+        const fs::path& file = entry->path();
+        if (is_named_like_picture(file) && !has_picture_extension(file) && !is_hidden(file) &&
+            file.stem().string() == stem_of(wanted))
+          return as_utf8(file.filename().string());
+      }
+    }
+  }
+  return {};
 }
 
 bool PhotoLookup::is_ambiguous(const Answer& answer) { return answer.problem.rfind(kSeveral, 0) == 0; }

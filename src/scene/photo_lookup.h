@@ -57,6 +57,8 @@ class PhotoLookup {
   Answer by_other_extension(const Folders& folders, const std::string& name) const;
   Answer by_other_spelling(const Folders& folders, const std::string& name) const;
   Answer by_ending(const std::string& name, bool any_spelling) const;
+  /// A photo of this name of a kind that is not read, such as TIFF; empty: none.
+  std::string of_unread_kind(const std::string& name) const;
   const std::vector<Candidate>& candidates() const;
   const std::vector<Entry>& entries(const std::filesystem::path& folder) const;
 

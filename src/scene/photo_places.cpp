@@ -1,5 +1,8 @@
 #include "scene/photo_places.h"
 
+#include "core/shell_word.h"
+#include "io/colmap.h"
+
 namespace aligngs {
 
 namespace fs = std::filesystem;
@@ -30,6 +33,8 @@ fs::path data_set_around(const fs::path& folder) {
 std::string missing_photos_remedy(const fs::path& folder) {
   const fs::path around = images_folder(folder).empty() ? data_set_around(folder) : fs::path();
   if (around.empty()) return "put the images that COLMAP used into images/";
+  if (!may_hold_colmap_model(around))  // one of several models beside the photos
+    return "`aligngs import " + quote_word(folder.string()) + " -o SCENE` finds them in " + around.string();
   return "give the folder that has the photos as well: " + around.string();
 }
 

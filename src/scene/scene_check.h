@@ -18,7 +18,8 @@ struct DisparityEvidence {
   int points = 0;               ///< visible points with a prior value
   double rank_correlation = 0;  ///< Spearman's, of prior value and depth of the points
   double ratio = 1;             ///< median of prior value / depth; 1 for fewer than 30 points
-  bool is_disparity() const;    ///< at least 30 points and a correlation below -0.5
+  bool is_enough() const;       ///< at least 30 points
+  bool is_disparity() const;    ///< enough points and a correlation below -0.5
   bool has_other_unit() const;  ///< a ratio above 3 or below a third
 };
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);

@@ -150,7 +150,9 @@ std::vector<uint32_t> visible_points(const PointCloud& cloud, const Camera& came
   return out;
 }
 
-bool DisparityEvidence::is_disparity() const { return points >= kMinEvidence && rank_correlation < kDisparityRank; }
+bool DisparityEvidence::is_enough() const { return points >= kMinEvidence; }
+
+bool DisparityEvidence::is_disparity() const { return is_enough() && rank_correlation < kDisparityRank; }
 
 bool DisparityEvidence::has_other_unit() const { return ratio > kOtherUnit || ratio < 1 / kOtherUnit; }
 
@@ -167,7 +169,7 @@ DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& came
   }
   DisparityEvidence evidence;
   evidence.points = static_cast<int>(depths.size());
-  if (evidence.points < kMinEvidence) return evidence;
+  if (!evidence.is_enough()) return evidence;
   evidence.rank_correlation = correlation(ranks(depths), ranks(priors));
   std::vector<double> ratios(depths.size());
   for (size_t i = 0; i < ratios.size(); ++i) ratios[i] = priors[i] / depths[i];

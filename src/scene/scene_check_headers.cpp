@@ -6,6 +6,7 @@
 #include "io/file_system_error.h"
 #include "io/image_file.h"
 #include "scene/photo_fit.h"
+#include "scene/photo_places.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_check.h"
 #include "scene/segment_file.h"
@@ -28,10 +29,12 @@ void note_error(std::vector<SceneProblem>& problems, const std::filesystem::path
   }
 }
 
-void check_image_header(const View& view) {
+void check_image_header(const View& view, const std::filesystem::path& folder) {
   if (!std::filesystem::is_regular_file(view.image)) {
-    throw_bad_input(view.image, "image", "a registered image is missing",
-                    "put the image there, or leave the view out of split.json");
+    const bool elsewhere = images_folder(folder).empty() && !data_set_around(folder).empty();
+    throw_bad_input(
+        view.image, "image", "a registered image is missing",
+        elsewhere ? missing_photos_remedy(folder) : "put the image there, or leave the view out of split.json");
   }
   const ImageInfo info = read_image_info(view.image);
   require_whole_picture(view.image);
@@ -102,7 +105,7 @@ std::vector<SceneProblem> check_headers(const Scene& scene) {
   for (int i : used) {
     const View& view = scene.views[i];
     const size_t before = problems.size();
-    note_error(problems, view.image, [&] { check_image_header(view); });
+    note_error(problems, view.image, [&] { check_image_header(view, scene.folder); });
     if (!view.prior_depth.empty()) note_error(problems, view.prior_depth, [&] { check_depth_header(view); });
     if (!view.semantics.empty()) {
       note_error(problems, view.semantics, [&] { check_semantic_header(view, scene.labels); });

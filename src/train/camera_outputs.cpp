@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/file_system_error.h"
 #include "io/json_text.h"
 #include "scene/colmap_model.h"
 #include "train/run_record.h"
@@ -53,7 +54,7 @@ void write_sparse(const fs::path& folder, const Scene& scene) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
-    throw_resources(folder, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+    throw_resources(folder, "the folder cannot be created: " + error.message(), remedy_for_write(error.value()));
   ColmapModel model;
   for (size_t v = 0; v < scene.views.size(); ++v) {
     if (!contains(scene.train, static_cast<int>(v)) && !contains(scene.test, static_cast<int>(v))) continue;

@@ -62,6 +62,7 @@ bool OpenedRun::has_finished_room() const {
 
 void require_run_folder(const fs::path& folder) {
   if (fs::exists(RunFolder(folder).record())) return;
+  if (!fs::exists(folder)) throw_bad_input(folder, "", "there is no such folder", "give the folder of a run");
   throw_bad_input(folder, "run.json", "this is no run folder",
                   "give a folder that `aligngs train` or `aligngs run` made");
 }

@@ -83,6 +83,15 @@ TEST_F(OpenedRunTest, AFolderWithoutRunIsRefused) {
   EXPECT_THAT(refusal(), HasSubstr("no run folder"));
 }
 
+TEST_F(OpenedRunTest, AFolderThatIsMissingIsTold) {
+  try {
+    require_run_folder(base_ / "absent");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("there is no such folder"));
+  }
+}
+
 TEST_F(OpenedRunTest, ASceneThatWasMovedIsAskedFor) {
   fs::rename(base_ / "base", base_ / "moved");
   EXPECT_THAT(refusal(), HasSubstr("--scene"));

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "io/file_system_error.h"
 
 namespace aligngs {
 
@@ -72,7 +73,7 @@ RunLock::RunLock(const fs::path& run) : control_(run) {
   const fs::path path = control_.folder() / "lock";
   descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0)
-    throw_resources(path, std::string("cannot be opened: ") + std::strerror(errno), "choose a place you may write to");
+    throw_resources(path, std::string("cannot be opened: ") + std::strerror(errno), remedy_for_write(errno));
   // Somebody who only asks active() holds the lock for a moment: try again before giving up.
   constexpr int kTries = 100;  // half a second: on a busy machine the asker may sleep with the lock in its hands
   for (int i = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; ++i) {

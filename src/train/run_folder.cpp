@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "io/abandoned_paths.h"
+#include "io/file_system_error.h"
 #include "io/folder_copy.h"
 #include "io/output_place.h"
 #include "scene/data_parts.h"
@@ -96,7 +97,7 @@ void RunFolder::prepare(RunMode mode) const {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error)
-    throw_resources(folder_, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
+    throw_resources(folder_, "the run folder cannot be created: " + error.message(), remedy_for_write(error.value()));
   if (mode == RunMode::kOverwrite) {
     require_removable();
     // run.json last: a folder that is cleared half-way is still recognised as a run's.

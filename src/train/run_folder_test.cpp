@@ -115,6 +115,15 @@ TEST_F(RunFolderTest, WhatTheRunWroteIsNoPlaceForOtherFiles) {
   }
 }
 
+TEST_F(RunFolderTest, ANameThatIsTooLongIsTold) {
+  try {
+    RunFolder(base_ / std::string(300, 'n')).prepare(RunMode::kNew);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.details().remedy, "use a shorter name");
+  }
+}
+
 TEST_F(RunFolderTest, AFileIsNoRunFolder) {
   std::ofstream(base_ / "file") << "x";
   EXPECT_EQ(kind_of([&] { RunFolder(base_ / "file").prepare(RunMode::kNew); }), ErrorKind::kUsage);

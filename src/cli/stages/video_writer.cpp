@@ -143,7 +143,7 @@ void VideoWriter::commit() {
   std::error_code error;
   fs::rename(temporary_, file_, error);
   if (error)
-    throw_resources(file_, "the video cannot take its place: " + error.message(), "choose a place you may write to");
+    throw_resources(file_, "the video cannot take its place: " + error.message(), remedy_for_write(error.value()));
   forget_temporary_path(temporary_);
   temporary_.clear();
 }

@@ -227,8 +227,13 @@ const char* name_of(PlanLayer layer) {
 
 PlanDrawing draw_plan(const MeasuredRoom& room, const PlanSettings& settings) {
   if (!room.metric) {
+    std::string known = "ceiling";  // a name that this room has
+    for (size_t i = 0; i < room.openings.size(); ++i) {
+      if (room.openings[i].kind == OpeningKind::kDoor) known = opening_name(room, i);
+    }
+    const char* height = known == "ceiling" ? "2.5" : "2.0";
     throw_bad_input({}, "units", "the scale of this room is not known, so that no plan can be drawn to scale",
-                    "give a length: aligngs scale RUN --object door --height 2.0");
+                    "give a length that you know: aligngs scale RUN --object " + known + " --height " + height);
   }
   return Plan(room, settings).draw();
 }

@@ -51,6 +51,22 @@ TEST(Plan, ARoomWithoutScaleHasNone) {
   EXPECT_THROW(draw_plan(room), Error);
 }
 
+TEST(Plan, TheRemedyForAnUnknownScaleNamesWhatTheRoomHas) {
+  MeasuredRoom room = sample_room::make();
+  room.metric = false;
+  const auto remedy = [&] {
+    try {
+      draw_plan(room);
+    } catch (const Error& error) {
+      return error.details().remedy;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(remedy(), HasSubstr("--object door.1 --height 2.0"));
+  room.openings.clear();
+  EXPECT_THAT(remedy(), HasSubstr("--object ceiling --height 2.5"));
+}
+
 TEST(Plan, WallsHaveGapsAtDoorsAndWindows) {
   const PlanDrawing drawing = draw_plan(sample_room::make());
   double length = 0;

@@ -55,7 +55,10 @@ const CaptureLayout& layout_of(const fs::path& folder, const std::string& name) 
     refuse_layout(folder);
   }
   for (const CaptureLayout& layout : capture_layouts()) {
-    if (name == layout.name) return layout;
+    if (name != layout.name) continue;
+    if (layout.found(folder)) return layout;
+    throw_bad_input(folder, "--layout " + name, std::string("this has not the files of ") + layout.title,
+                    std::string("give the folder that holds ") + layout.files + ", or leave --layout out");
   }
   throw_usage("there is no layout \"" + name + "\"", "known: " + known_layouts());
 }

@@ -48,6 +48,7 @@ struct Capture {
   std::vector<CapturedFrame> frames;        ///< with finite poses only, in capture order
   std::vector<LeftOut> left_out;            ///< frames that cannot be used, and why
   std::vector<std::string> notes;           ///< what was found and not used although it may matter, a sentence each
+  std::string depth_files;                  ///< of a layout with depth: their place, as "depth/NAME.png"; else empty
   double depth_unit = 0.001;                ///< scene units per stored depth value
   std::optional<DepthCamera> depth_camera;  ///< empty: depth is registered to colour
   bool metric = false;                      ///< scene units are metres

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "io/image_file.h"
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
@@ -50,7 +51,7 @@ int number_of(const fs::path& file) {
 void leave_out_repeated(Capture& capture) {
   std::map<fs::path, std::set<std::string>> cameras_of_photo;
   for (const CapturedFrame& frame : capture.frames) cameras_of_photo[frame.image].insert(frame.name);
-  std::set<std::string> seen;
+  std::map<std::string, fs::path> seen;
   std::erase_if(capture.frames, [&](const CapturedFrame& frame) {
     if (cameras_of_photo[frame.image].size() > 1) {
       capture.left_out.push_back({frame.name,
@@ -58,8 +59,14 @@ void leave_out_repeated(Capture& capture) {
                                   "give each photo one camera"});
       return true;
     }
-    if (seen.insert(frame.name).second) return false;
-    capture.left_out.push_back({frame.name, "it is listed twice (" + as_utf8(frame.image.filename().string()) + ")",
+    const auto [first, fresh] = seen.emplace(frame.name, frame.image);
+    if (fresh) return false;
+    const std::string file = as_utf8(frame.image.filename().string());
+    const std::string namesake = as_utf8(first->second.filename().string());
+    capture.left_out.push_back({frame.name,
+                                first->second == frame.image
+                                    ? "it is listed twice (" + file + ")"
+                                    : "two images have this name before the last dot: " + namesake + " and " + file,
                                 "rename or remove one of them"});
     return true;
   });
@@ -80,6 +87,22 @@ void leave_out_eight_bits(Capture& capture) {
   if (capture.frames.empty() || !std::all_of(capture.frames.begin(), capture.frames.end(), eight)) return;
   capture.notes.emplace_back("depth is not used: it has 8 bits, as pictures of depth have, and so no unit");
   for (CapturedFrame& frame : capture.frames) frame.depth.clear();
+}
+
+/// A layout that has depth, and no frame with any: says where it is looked for, and what lies there.
+void note_no_depth(Capture& capture) {
+  const auto with = [](const CapturedFrame& frame) { return !frame.depth.empty(); };
+  if (capture.depth_files.empty() || std::any_of(capture.frames.begin(), capture.frames.end(), with)) return;
+  std::string note = "depth is not used: no frame has its " + capture.depth_files;
+  const fs::path below = fs::path(capture.depth_files).parent_path(), place = capture.folder / below;
+  const bool alone = !below.empty() && !capture.frames.empty() && capture.frames[0].image.parent_path() != place;
+  std::set<std::string> others;
+  std::error_code error;
+  for (fs::directory_iterator entry(place, error), end; alone && !error && entry != end; entry.increment(error)) {
+    if (!is_hidden(entry->path())) others.insert(as_utf8(entry->path().filename().string()));
+  }
+  if (!others.empty()) note += "; " + below.string() + " holds " + *others.begin();
+  capture.notes.push_back(note);
 }
 
 /// A depth prior is of use when every training view has one.
@@ -151,10 +174,24 @@ void note_poses_without_photo(Capture& capture, const fs::path& poses, const std
   }
 }
 
-void set_depth(CapturedFrame& frame, const fs::path& file) {
+fs::path folder_called(const fs::path& folder, const std::string& name) {
   std::error_code error;
-  if (fs::is_regular_file(file, error)) frame.depth = file;
+  if (fs::is_directory(folder / name, error)) return folder / name;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (lower_case(entry->path().filename().string()) == name && entry->is_directory(error)) return entry->path();
+  }
+  return folder / name;
 }
+
+fs::path file_if_there(const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) return file;
+  fs::path loud = file;
+  loud.replace_extension(".PNG");
+  return fs::is_regular_file(loud, error) ? loud : fs::path();
+}
+
+void set_depth(CapturedFrame& frame, const fs::path& file) { frame.depth = file_if_there(file); }
 
 std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>& photos, size_t poses,
                                    const fs::path& file) {
@@ -244,12 +281,13 @@ void shorten_names(Capture& capture) {
 void finish_capture(Capture& capture) {
   for (CapturedFrame& frame : capture.frames) frame.name = as_utf8(frame.name);
   leave_out_repeated(capture);
+  note_no_depth(capture);
   leave_out_without_depth(capture);
   leave_out_eight_bits(capture);
   require_enough(capture.folder, capture.frames.size(), capture.left_out, 1, false);
   if (capture.frames.empty())
-    throw_bad_input(capture.folder, "frames", "no frame with a finite pose was found",
-                    "check the folder and its poses");
+    throw_bad_input(capture.folder, "frames", "no frame is listed, or no photo is there",
+                    "check the folder, its photos and its poses");
   place_near_origin(capture);
 }
 

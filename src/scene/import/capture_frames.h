@@ -38,6 +38,12 @@ void note_poses_without_photo(Capture& capture, const std::filesystem::path& pos
 /// "3 points without a usable position ..."
 std::string note_of_unusable_points(size_t count);
 
+/// The folder of this name in a folder, in small letters or in others ("Depth"); with this name where there is none.
+std::filesystem::path folder_called(const std::filesystem::path& folder, const std::string& name);
+
+/// The PNG when it is there, else the same that ends in .PNG; empty where there is neither.
+std::filesystem::path file_if_there(const std::filesystem::path& file);
+
 /// Sets the depth when the file is there.
 void set_depth(CapturedFrame& frame, const std::filesystem::path& file);
 

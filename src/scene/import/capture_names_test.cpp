@@ -20,6 +20,15 @@ std::vector<std::string> names(const Capture& capture) {
   return all;
 }
 
+TEST_F(CaptureTest, APhotoOfAKindThatIsNotReadIsNamed) {
+  image("images/b.png");
+  write("images/a.tif", "II*");
+  write("sparse/cameras.txt", "1 PINHOLE 32 24 30 30 16 12\n");
+  write("sparse/images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 1 0 0 1 b.png\n\n");
+  EXPECT_THAT(reasons(read_capture(folder_)),
+              testing::ElementsAre("a.png: a.tif is of a kind that is not read: convert it to PNG or JPEG"));
+}
+
 TEST_F(CaptureTest, NamesOfScanNetAreUtf8) {
   const std::string matrix = "30 0 16 0\n0 30 12 0\n0 0 1 0\n0 0 0 1\n";
   write("intrinsic/intrinsic_color.txt", matrix);

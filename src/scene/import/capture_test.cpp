@@ -235,6 +235,19 @@ TEST_F(CaptureTest, TheFolderBelowThatHoldsAKnownLayoutIsNamed) {
   }
 }
 
+TEST_F(CaptureTest, ALayoutThatIsAskedForNeedsItsFiles) {
+  image("images/b.jpg");
+  for (const CaptureLayout& layout : capture_layouts()) {
+    try {
+      read_capture(folder_, {.layout = layout.name});
+      ADD_FAILURE() << layout.name;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(std::string("this has not the files of ") + layout.title));
+      EXPECT_THAT(error.details().remedy, HasSubstr(layout.files));
+    }
+  }
+}
+
 TEST_F(CaptureTest, TheFolderAroundThatHoldsAKnownLayoutIsNamed) {
   image("images/b.jpg");
   write("sparse/0/cameras.txt", "1 PINHOLE 32 24 30 30 16 12\n");

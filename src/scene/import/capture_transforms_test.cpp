@@ -130,6 +130,34 @@ TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
   }
 }
 
+TEST_F(TransformsTest, AFrameMayStateTheUnitOfItsDepth) {
+  depth("depth/a.png", 2000);
+  const Capture capture = read(R"(, "depth_unit_scale_factor": 0.01)",
+                               R"(, "depth_file_path": "depth/a.png", "depth_unit_scale_factor": 0.00025)");
+  EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 0.5f);
+}
+
+TEST_F(TransformsTest, AllRadialTermsOfTheFullModelAreUsed) {
+  const std::string terms = R"(, "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4, "k5": 0.5, "k6": 0.6)";
+  const Capture capture = read(R"(, "camera_model": "FULL_OPENCV")" + terms);
+  EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0, 0, 0.3, 0.4, 0.5, 0.6));
+}
+
+TEST_F(TransformsTest, RadialTermsThatALensHasNotAreRefused) {
+  for (const char* key : {"k4", "k5", "k6"})
+    EXPECT_THAT(error_of(fmt::format(R"(, "camera_model": "OPENCV", "{}": 0.1)", key)), HasSubstr(key));
+  EXPECT_THAT(error_of(R"(, "camera_model": "OPENCV_FISHEYE", "k5": 0.1)"), HasSubstr("k5"));
+}
+
+TEST_F(TransformsTest, FramesThatAreHeldOutTest) {
+  image("images/b.png");
+  const Capture capture =
+      read(fmt::format(R"(, "test_frames": [{{"file_path": "images/b.png", "transform_matrix": {}}}])", kMatrix));
+  EXPECT_THAT(capture.train, ElementsAre("a"));
+  EXPECT_THAT(capture.test, ElementsAre("b"));
+  EXPECT_EQ(capture.frames.size(), 2u);
+}
+
 TEST_F(TransformsTest, DepthFilesThatAreMissingAreReported) {
   EXPECT_THAT(read("", R"(, "depth_file_path": "depth/a.png")").notes,
               ElementsAre(HasSubstr("depth_file_path: none of its files is there")));

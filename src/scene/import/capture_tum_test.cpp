@@ -38,6 +38,11 @@ TEST_F(TumTest, BlankLinesAndLineEndsOfWindowsAreNoData) {
   EXPECT_THAT(places(read("# color\r\n\r\n1.0 rgb/a.png\r\n  \r\n2.0 rgb/b.png\r\n\r\n")), ElementsAre(0, 1));
 }
 
+TEST_F(TumTest, IntrinsicsCountFromTheCentreOfTheFirstPixel) {
+  image("rgb/a.png");
+  EXPECT_THAT(read("1.0 rgb/a.png\n").frames[0].camera.params, ElementsAre(30, 30, 16.5, 12.5));
+}
+
 TEST_F(TumTest, BackslashesAreSlashes) {
   image("rgb/a.png");
   image("rgb/b.png");

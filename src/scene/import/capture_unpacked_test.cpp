@@ -66,6 +66,51 @@ TEST_F(UnpackedTest, AFinishedModelIsNoCapture) {
   EXPECT_THAT(error_of_reading(), HasSubstr("a finished model (scan.spz, scan.usdz)"));
 }
 
+TEST_F(UnpackedTest, PhotosAloneAreSentToPoses) {
+  image("images/a.jpg");
+  EXPECT_THAT(error_of_reading(), AllOf(HasSubstr("photos without cameras (a.jpg)"), HasSubstr("`aligngs poses`")));
+}
+
+TEST_F(UnpackedTest, AVideoIsSentToRun) {
+  write("IMG_1.MOV", "x");
+  EXPECT_THAT(error_of_reading(), AllOf(HasSubstr("videos: IMG_1.MOV"), HasSubstr("`aligngs run VIDEO")));
+  try {
+    read_capture(folder_ / "IMG_1.MOV");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("this is a video"));
+  }
+}
+
+TEST_F(UnpackedTest, ExportsOfOtherProgramsAreNamed) {
+  for (const auto& [file, name] : {std::pair{"reconstruction.json", "OpenSfM"}, {"cfg_args", "Gaussian splats"}}) {
+    write(file, "x");
+    EXPECT_THAT(error_of_reading(), HasSubstr(name));
+    std::filesystem::remove(folder_ / file);
+  }
+}
+
+TEST_F(UnpackedTest, OneOfSeveralModelsFindsThePhotosBesideIt) {
+  image("images/rig/a.png");
+  for (const char* model : {"calibration_jpg", "calibration_undistorted"}) {
+    write(std::string(model) + "/cameras.txt", "1 PINHOLE 32 24 30 30 16 12\n");
+    write(std::string(model) + "/images.txt", "1 1 0 0 0 0 0 0 1 rig/a.png\n\n");
+  }
+  EXPECT_THAT(error_of_reading(), HasSubstr("calibration_undistorted (COLMAP)"));
+  const Capture capture = read_capture(folder_ / "calibration_jpg");
+  ASSERT_EQ(capture.frames.size(), 1u);
+  EXPECT_EQ(capture.frames[0].image, folder_ / "images" / "rig" / "a.png");
+}
+
+TEST_F(UnpackedTest, TwoPhotosOfOneNameAreBothNamed) {
+  image("images/a.png");
+  image("images/a.jpg");
+  write("sparse/cameras.txt", "1 PINHOLE 32 24 30 30 16 12\n");
+  write("sparse/images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 1 0 0 1 a.jpg\n\n");
+  EXPECT_THAT(reasons(read_capture(folder_)),
+              ElementsAre("a: two images have this name before the last dot: a.png and a.jpg"));
+}
+
 TEST_F(UnpackedTest, AFileOfRecord3dIsNamed) {
   write("room.r3d", "PK");
   try {

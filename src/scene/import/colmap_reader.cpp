@@ -14,8 +14,24 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// The data set around a model that was given alone, as one of several beside the photos. Empty where the data set
+/// names its model by itself.
+fs::path data_set_of_several(const fs::path& folder) {
+  const fs::path around = images_folder(folder).empty() ? data_set_around(folder) : fs::path();
+  return around.empty() || may_hold_colmap_model(around) ? fs::path() : around;
+}
+
+}  // namespace
+
 Capture read_colmap_capture(const fs::path& folder, const CaptureOptions&) {
-  return read_colmap_capture(folder, photos_of_data_set(folder));
+  Capture capture = read_colmap_capture(folder, photos_of_data_set(folder));
+  const fs::path around = capture.frames.empty() ? data_set_of_several(folder) : fs::path();
+  if (around.empty()) return capture;
+  capture = read_colmap_capture(folder, PhotoLookup(images_folder(around), around));
+  capture.notes.push_back("the photos are those of " + around.string());
+  return capture;
 }
 
 Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {

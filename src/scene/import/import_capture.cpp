@@ -339,8 +339,8 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
     parts.cloud = std::move(sfm.cloud);
   } else if (!sensor.empty()) {
     report.cloud_source = "sensor depth";
-    if (const std::string warning = sensor.other_unit(capture.metric); !warning.empty())
-      report.warnings.push_back(warning);
+    const std::string warning = sensor.contradiction(capture.metric, capture.depth_unit, narrow(capture.cloud));
+    if (!warning.empty()) report.warnings.push_back(warning);
     parts.cloud = sensor.fuse(options.voxel, pool);
   } else if (capture.cloud.size() > 0) {
     report.cloud_source = "capture";

@@ -42,7 +42,9 @@ Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) 
   const std::vector<fs::path> images = list_frame_photos(capture, folder / "images", {".png", ".jpg"});
   const std::vector<int> pose_of = poses_of_numbered(capture, images, poses.size() / 16, pose_file);
   const fs::path depth_folder =
-      first_existing({folder / "depth", folder / "depth_filtered", folder / "depth_with_noise"});
+      first_existing({folder_called(folder, "depth"), folder / "depth_filtered", folder / "depth_with_noise"});
+  capture.depth_files =
+      (depth_folder.empty() ? std::string("depth") : depth_folder.filename().string()) + "/depthNUMBER.png";
   for (size_t i = 0; i < images.size(); ++i) {
     const std::string name = images[i].stem().string();
     add_frame(capture, name, [&] {

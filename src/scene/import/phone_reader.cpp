@@ -68,11 +68,6 @@ Capture arkit_capture(const fs::path& folder) {
   return capture;
 }
 
-void set_file(fs::path& place, const fs::path& file) {
-  std::error_code error;
-  if (fs::is_regular_file(file, error)) place = file;
-}
-
 /// The corrected folder where it holds something.
 fs::path better_of(const fs::path& corrected, const fs::path& plain, const std::vector<std::string>& extensions) {
   return list_files(corrected, extensions).empty() ? plain : corrected;
@@ -102,8 +97,8 @@ CapturedFrame polycam_frame(const fs::path& image, const fs::path& json, const f
   if (!all_finite(camera.params.data(), camera.params.size()))
     throw_bad_input(json, "fx, fy, cx, cy", "no number", "export the capture again");
   set_camera(frame, camera);
-  set_file(frame.depth, keyframes / "depth" / (frame.name + ".png"));
-  set_file(frame.confidence, keyframes / "confidence" / (frame.name + ".png"));
+  set_depth(frame, keyframes / "depth" / (frame.name + ".png"));
+  frame.confidence = file_if_there(keyframes / "confidence" / (frame.name + ".png"));
   return frame;
 }
 
@@ -119,8 +114,8 @@ CapturedFrame scanner_frame(const fs::path& image, const fs::path& folder) {
   if (!all_finite(k.data(), k.size())) throw_bad_input(json, "intrinsics", "no number", "leave this frame out");
   set_intrinsics(frame, k[0], k[4], k[2], k[5]);
   const std::string number = frame.name.substr(frame.name.find('_') + 1);
-  set_file(frame.depth, folder / ("depth_" + number + ".png"));
-  set_file(frame.confidence, folder / ("conf_" + number + ".png"));
+  set_depth(frame, folder / ("depth_" + number + ".png"));
+  frame.confidence = file_if_there(folder / ("conf_" + number + ".png"));
   return frame;
 }
 
@@ -142,6 +137,7 @@ bool may_hold_scanner_app(const fs::path& folder) {
 
 Capture read_polycam(const fs::path& folder, const CaptureOptions&) {
   Capture capture = arkit_capture(folder);
+  capture.depth_files = "keyframes/depth/NAME.png";
   const fs::path keyframes = folder / "keyframes";
   const fs::path cameras = better_of(keyframes / "corrected_cameras", keyframes / "cameras", {".json"});
   const fs::path images = better_of(keyframes / "corrected_images", keyframes / "images", picture_extensions());
@@ -161,6 +157,7 @@ Capture read_polycam(const fs::path& folder, const CaptureOptions&) {
 
 Capture read_scanner_app(const fs::path& folder, const CaptureOptions&) {
   Capture capture = arkit_capture(folder);
+  capture.depth_files = "depth_NUMBER.png";
   for (const fs::path& image : list_frame_photos(capture, folder)) {  // most frames have a JSON and no photo
     if (!is_scanner_frame(image)) continue;
     add_frame(capture, image.stem().string(), [&] { return scanner_frame(image, folder); });

@@ -114,7 +114,7 @@ inline Written tum(uint64_t seed, const fs::path& folder) {
   Written out{RandomCapture(seed, false), {}, true, {}};
   RandomCapture& capture = out.capture;
   out.options.intrinsics = folder / "intrinsics.txt";
-  write_text(out.options.intrinsics, matrix3(capture.lens, 0));
+  write_text(out.options.intrinsics, matrix3(capture.lens, -0.5));  // from the centre of the first pixel
   std::string colours = "# color images\n", depths = "# depth maps\n", poses = "# timestamp tx ty tz qx qy qz qw\n";
   for (size_t i = 0; i < capture.frames.size(); ++i) {
     const RandomFrame& frame = capture.frames[i];

@@ -65,6 +65,7 @@ Capture read_replica(const fs::path& folder, const CaptureOptions&) {
   capture.folder = folder;
   capture.metric = true;
   capture.depth_unit = 1 / camera.scale;
+  capture.depth_files = "results/depthNUMBER.png";
   const fs::path trajectory = folder / "traj.txt";
   const std::vector<double> poses = read_numbers(trajectory);
   if (poses.size() % 16 != 0)

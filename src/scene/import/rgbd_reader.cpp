@@ -87,10 +87,12 @@ Capture read_rgbd_folder(const fs::path& folder, const CaptureOptions&) {
   const Intrinsics k = read_intrinsics(folder / "intrinsics.txt");
   const std::vector<fs::path> photos = list_frame_photos(capture, folder / "images");
   note_poses_without_photo(capture, folder / "poses", photos);
+  const fs::path depths = folder_called(folder, "depth");
+  capture.depth_files = depths.filename().string() + "/NAME.png";
   for (const fs::path& image : photos) {
     const std::string name = image.stem().string();
     add_frame(capture, name, [&] {
-      return posed_frame(name, image, folder / "depth" / (name + ".png"), folder / "poses" / (name + ".txt"), k);
+      return posed_frame(name, image, depths / (name + ".png"), folder / "poses" / (name + ".txt"), k);
     });
   }
   capture.train = read_names(folder / "train.txt");
@@ -112,6 +114,7 @@ Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options)
   const Intrinsics k =
       options.intrinsics.empty() ? Intrinsics{585, 585, 320, 240, 640, 480} : read_intrinsics(options.intrinsics);
   const std::vector<fs::path> sequences = sequences_of(capture, folder);
+  if (options.assume_registered) capture.depth_files = "frame-NUMBER.depth.png";
   for (const fs::path& sequence : sequences) {
     const std::string prefix = sequences.size() > 1 ? sequence.filename().string() + "_" : "";
     const std::vector<fs::path> photos = list_frame_photos(capture, sequence, {".png", ".jpg"});

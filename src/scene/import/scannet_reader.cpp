@@ -52,6 +52,8 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
   const std::vector<double> color = read_matrix4(color_file);
   const std::vector<fs::path> photos = list_frame_photos(capture, folder / "color");
   note_poses_without_photo(capture, folder / "pose", photos);
+  const fs::path depths = folder_called(folder, "depth");
+  capture.depth_files = depths.filename().string() + "/NUMBER.png";
   for (const fs::path& image : photos) {
     const std::string name = image.stem().string();
     add_frame(capture, name, [&] {
@@ -64,7 +66,7 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
       if (!all_finite(m.data(), 16))
         throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
       frame.world_to_camera = rigid_from_matrix(m, pose, "matrix").inverse();
-      set_depth(frame, folder / "depth" / (name + ".png"));
+      set_depth(frame, depths / (name + ".png"));
       set_intrinsics(frame, color[0], color[5], color[2] + kHalfPixel, color[6] + kHalfPixel);
       return frame;
     });

@@ -28,6 +28,8 @@ const std::set<std::string> kUsed = {"camera_model",
                                      "k2",
                                      "k3",
                                      "k4",
+                                     "k5",
+                                     "k6",
                                      "p1",
                                      "p2",
                                      "distortion_params",
@@ -36,6 +38,7 @@ const std::set<std::string> kUsed = {"camera_model",
                                      "x_fov",
                                      "y_fov",
                                      "frames",
+                                     "test_frames",
                                      "file_path",
                                      "transform_matrix",
                                      "depth_file_path",
@@ -195,14 +198,22 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
   if (fisheye) {  // theta (1 + k1 theta^2 + ... + k4 theta^8) and the tangential terms
     camera.model = "THIN_PRISM_FISHEYE";
     camera.params.insert(camera.params.end(), {k[0], k[1], p1, p2, k[2], k[3], 0, 0});
+    if (number("k5", 0) != 0 || number("k6", 0) != 0)
+      throw_bad_input(file_, number("k5", 0) != 0 ? "k5" : "k6", "a fisheye lens has four radial terms", kUndistort);
     return camera;
   }
-  if (k[3] != 0 && model != "FULL_OPENCV") {
-    throw_bad_input(file_, "k4", "a fourth radial term of a perspective lens is not undone here", kUndistort);
+  const double k5 = number("k5", 0), k6 = number("k6", 0);
+  const bool higher = k[3] != 0 || k5 != 0 || k6 != 0;
+  if (higher && model != "FULL_OPENCV") {
+    throw_bad_input(file_,
+                    k[3] != 0 ? "k4"
+                    : k5 != 0 ? "k5"
+                              : "k6",
+                    "a radial term of this order is undone for a lens of the model FULL_OPENCV alone", kUndistort);
   }
-  if (k[2] != 0 || k[3] != 0) {
+  if (k[2] != 0 || higher) {
     camera.model = "FULL_OPENCV";
-    camera.params.insert(camera.params.end(), {k[0], k[1], p1, p2, k[2], k[3], 0, 0});
+    camera.params.insert(camera.params.end(), {k[0], k[1], p1, p2, k[2], k[3], k5, k6});
   } else if (k[0] != 0 || k[1] != 0 || p1 != 0 || p2 != 0) {
     camera.model = "OPENCV";
     camera.params.insert(camera.params.end(), {k[0], k[1], p1, p2});

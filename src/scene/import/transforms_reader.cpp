@@ -80,6 +80,15 @@ fs::path named_file(const PhotoLookup& files, const fs::path& folder, const std:
   return folder / name;
 }
 
+/// Scene units per stored depth value, of the frame or the file; 0 where neither says it.
+double depth_unit_of(const TransformsFields& fields, const fs::path& file) {
+  const double nerfstudio = fields.number("depth_unit_scale_factor", 0), ngp = fields.number("integer_depth_scale", 0);
+  if (nerfstudio < 0 || ngp < 0)
+    throw_bad_input(file, nerfstudio < 0 ? "depth_unit_scale_factor" : "integer_depth_scale",
+                    "a positive number expected", "scene units per stored depth value");
+  return nerfstudio > 0 ? nerfstudio : ngp;
+}
+
 class FrameReader {
  public:
   FrameReader(const Transforms& transforms, const PhotoLookup& photos, Capture& capture)
@@ -102,6 +111,8 @@ class FrameReader {
     const ImageInfo info = read_image_info(frame.image);
     set_camera(frame, fields.camera(info.stored_width, info.stored_height));
     frame.depth = depth(fields);
+    if (const double unit = depth_unit_of(fields, transforms_.file); unit > 0)
+      frame.depth_scale *= unit / capture_.depth_unit;
     if (const std::string mask = fields.text("mask_path"); !mask.empty()) {
       frame.mask = named_file(files_, folder_, mask);
       if (!fs::is_regular_file(frame.mask))
@@ -160,13 +171,14 @@ class FrameReader {
   mutable size_t depths_named_ = 0, depths_found_ = 0;
 };
 
-/// Adds the frames of a file; returns their names as the file writes them.
-std::vector<std::string> add_frames(const Transforms& transforms, const PhotoLookup& photos, Capture& capture) {
+/// Adds the frames of a list of a file; returns their names as the file writes them.
+std::vector<std::string> add_frames(const Transforms& transforms, const PhotoLookup& photos, Capture& capture,
+                                    const char* list = "frames") {
   const FrameReader reader(transforms, photos, capture);
   std::vector<std::string> names;
   size_t index = 0;
-  for (const Json& item : transforms.document["frames"]) {
-    const std::string field = "frames[" + std::to_string(index++) + "]";
+  for (const Json& item : transforms.document[list]) {
+    const std::string field = list + std::string("[") + std::to_string(index++) + "]";
     const bool has_path = item.is_object() && item.contains("file_path") && item["file_path"].is_string();
     const std::string name = has_path ? slashed_name(item["file_path"].get<std::string>()) : field;
     names.push_back(name);
@@ -232,14 +244,7 @@ CapturedCloud read_points(const fs::path& file, Capture& capture) {
 
 void set_depth_unit(const Transforms& transforms, Capture& capture) {
   const TransformsFields fields(transforms.document, transforms.document, transforms.file);
-  const double nerfstudio = fields.number("depth_unit_scale_factor", 0), ngp = fields.number("integer_depth_scale", 0);
-  if (nerfstudio < 0 || ngp < 0)
-    throw_bad_input(transforms.file, nerfstudio < 0 ? "depth_unit_scale_factor" : "integer_depth_scale",
-                    "a positive number expected", "scene units per stored depth value");
-  if (nerfstudio > 0)
-    capture.depth_unit = nerfstudio;
-  else if (ngp > 0)
-    capture.depth_unit = ngp;
+  if (const double unit = depth_unit_of(fields, transforms.file); unit > 0) capture.depth_unit = unit;
 }
 
 }  // namespace
@@ -261,9 +266,15 @@ Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
   if (fs::is_regular_file(folder / "transforms.json")) {
     const Transforms transforms = read_document(folder / "transforms.json");
     set_depth_unit(transforms, capture);
-    add_frames(transforms, photos, capture);
+    const std::vector<std::string> frames = add_frames(transforms, photos, capture);
     capture.train = listed_names(transforms, {"train_filenames"});
     capture.test = listed_names(transforms, {"test_filenames", "val_filenames"});
+    if (const auto held_out = transforms.document.find("test_frames");
+        held_out != transforms.document.end() && held_out->is_array()) {  // ScanNet++'s
+      const std::vector<std::string> test = add_frames(transforms, photos, capture, "test_frames");
+      if (capture.train.empty()) capture.train = frames;
+      capture.test.insert(capture.test.end(), test.begin(), test.end());
+    }
     const std::string ply =
         TransformsFields(transforms.document, transforms.document, transforms.file).text("ply_file_path");
     if (!ply.empty()) capture.cloud = read_points(named_file(PhotoLookup({}, folder), folder, ply), capture);

@@ -1,5 +1,6 @@
 // TUM RGB-D: rgb.txt and depth.txt ("timestamp file" lines), groundtruth.txt ("timestamp tx ty tz qx qy qz qw",
-// camera-to-world, OpenCV axes). Depth values are 1/5000 m. Times are matched within 0.02 s.
+// camera-to-world, OpenCV axes). Depth values are 1/5000 m. Times are matched within 0.02 s. Its calibrations count from
+// the centre of the first pixel (319.5 is the middle of 640), so half a pixel is added.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,6 +24,7 @@ namespace {
 
 constexpr double kAssociationSeconds = 0.02;  // the data set's own rule
 constexpr double kDepthUnit = 1.0 / 5000;     // metres per stored value
+constexpr double kHalfPixel = 0.5;            // integer-centre convention of its calibrations to the corner convention
 
 struct Stamped {
   double time = 0;
@@ -100,6 +102,7 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
   capture.folder = folder;
   capture.metric = true;
   capture.depth_unit = kDepthUnit;
+  capture.depth_files = "file of depth.txt";
   const fs::path truth = folder / "groundtruth.txt";
   const std::vector<Stamped> colors = read_stamped(folder / "rgb.txt");
   std::vector<Stamped> poses = read_stamped(truth);
@@ -132,7 +135,7 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
                         "write seven finite numbers, or leave this frame out");
       }
       frame.world_to_camera = Rigidd{rotation_matrix(normalized(q)), t}.inverse();
-      set_intrinsics(frame, lens.fx, lens.fy, lens.cx, lens.cy);
+      set_intrinsics(frame, lens.fx, lens.fy, lens.cx + kHalfPixel, lens.cy + kHalfPixel);
       return frame;
     });
   }

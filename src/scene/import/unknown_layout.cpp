@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "io/picture_format.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture.h"
 #include "scene/photo_lookup.h"
@@ -28,6 +29,8 @@ constexpr const char* kRecord3d =
     "export it from Record3D as \"EXR + RGB\", and make a transforms.json of it with nerfstudio's `ns-process-data "
     "record3d`";
 
+constexpr const char* kVideoRemedy = "`aligngs run VIDEO -o RUN` takes photos out of a video, and finds their cameras";
+
 const std::vector<ForeignExport>& foreign_exports() {
   static const std::vector<ForeignExport> kAll = {
       {{"metadata.json", "rgb"},
@@ -47,6 +50,18 @@ const std::vector<ForeignExport>& foreign_exports() {
        "this is a model of OpenMVG or AliceVision, which is not read",
        "export it as a COLMAP model"},
       {{"bundle.out"}, "this is a model of Bundler, which is not read", "convert it to a COLMAP model"},
+      {{"reconstruction.json"},
+       "this is a model of OpenSfM or ODM, which is not read",
+       "export it as a COLMAP model (OpenSfM's `bin/opensfm export_colmap`)"},
+      {{"cfg_args"},
+       "this is a run of another program of Gaussian splats, and no capture",
+       "give the data set that it was trained on: its cfg_args names it as source_path"},
+      {{"cams", "pair.txt"},
+       "these are cameras for MVSNet, which are not read",
+       "give the COLMAP model that they were made from (sparse/), or a transforms.json"},
+      {{"cameras_sphere.npz"},
+       "these are cameras of IDR, NeuS or DTU, which are not read",
+       "give the COLMAP model that they were made from (sparse/), or a transforms.json"},
       {{"dslr", "iphone"},
        "this is a scan of ScanNet++",
        "give its folder dslr/: dslr/colmap and its photos, or a transforms.json"},
@@ -134,6 +149,7 @@ void require_capture_folder(const fs::path& folder) {
     throw_bad_input(folder, "", "this is a capture of Record3D, which is not read", kRecord3d);
   if (is_archive(folder))
     throw_bad_input(folder, "", "this is an archive, not a folder", "unpack it, and give the folder");
+  if (is_video_name(folder)) throw_bad_input(folder, "", "this is a video, which has no cameras yet", kVideoRemedy);
   throw_bad_input(folder, "", "this is a file, not a folder", "give the folder of the capture");
 }
 
@@ -170,6 +186,16 @@ void refuse_layout(const fs::path& folder) {
     throw_bad_input(folder, "layout", "this holds a finished model (" + models + "), and no photos with cameras",
                     "export the photos with their cameras (docs/formats.md has the layouts), or give photos alone to "
                     "`aligngs poses`");
+  const fs::path images = images_folder(folder);
+  for (const fs::path& place : {folder, images}) {
+    if (const std::string photos = names_of_files(place, has_picture_extension); !place.empty() && !photos.empty())
+      throw_bad_input(
+          folder, "layout", "this holds photos without cameras (" + photos + ")",
+          "`aligngs poses` finds cameras of photos, and `aligngs run` does all; with cameras it is one of: " +
+              known_layouts());
+  }
+  if (const std::string videos = names_of_files(folder, is_video_name); !videos.empty())
+    throw_bad_input(folder, "layout", "this holds no capture with cameras, but videos: " + videos, kVideoRemedy);
   throw_bad_input(folder, "layout", "this is none of the known layouts", "known: " + known_layouts());
 }
 
