@@ -24,8 +24,9 @@ std::string contradiction_at(float times) {
 TEST(SensorCloud, DepthAtTheDistanceOfThePointsAgrees) { EXPECT_EQ(contradiction_at(1), ""); }
 
 TEST(SensorCloud, DepthAtAnotherDistanceThanThePointsIsToldWithItsUnit) {
-  EXPECT_THAT(contradiction_at(4), testing::AllOf(testing::HasSubstr("depth is 4 times the distance of the points"),
-                                                  testing::HasSubstr("counts as 0.001 here, and seems to mean 0.00025")));
+  EXPECT_THAT(contradiction_at(4),
+              testing::AllOf(testing::HasSubstr("depth is 4 times the distance of the points"),
+                             testing::HasSubstr("counts as 0.001 here, and seems to mean 0.00025")));
 }
 
 TEST(SensorCloud, MetresThatNoRoomHasAreTold) {
