@@ -47,7 +47,7 @@ class ExportReaders : public testing::Test {
     const fs::path file = folder_ / ("textured." + format);
     ExportOptions options{.parts = RoomParts::kMesh};
     options.mesh.error = 0.001;
-    options.mesh.photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_));
+    options.mesh.photos = [this] { return painted::photos(room_.mesh, pool_); };
     export_room(room_, format, file, pool_, options);
     return file.string();
   }
