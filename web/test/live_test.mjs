@@ -28,6 +28,9 @@ await withBrowser(async (browser) => {
   check(await page.locator('#stages .stage-now').textContent() === 'train', 'the stage list says that it trains');
   check(await page.locator('#controls').isVisible() && !(await page.locator('#editing').isVisible()), 'it can be paused and stopped, not edited');
   await page.waitForFunction(() => window.aligngs.page.training.charts.points > 3, null, { timeout: 60000 });
+  // The server's picture is shown before splats are drawn, which takes long on a busy machine.
+  const isDrawn = (pixels) => pixels.some((value, i) => i % 4 < 3 && value !== pixels[i % 4]);
+  for (let i = 0; i < 600 && !isDrawn(await small()); ++i) await sleep(100);
   const first = await small(), loaded = await page.evaluate(() => window.aligngs.page.loadedSplats);
   await shot('first');
   await page.waitForFunction((before) => window.aligngs.page.loadedSplats !== before, loaded, { timeout: 60000 });
