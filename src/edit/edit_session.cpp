@@ -222,7 +222,8 @@ EditRequest EditSession::understand(std::string_view text) const {
     EditRequest request = parse_request(text);
     if (request.undo) return request;
     parse_selection(request.edit.select, vocabulary_of(room()));
-    settle_motion(room(), metres_of_unit(), request.edit);
+    const bool in_metres = request.edit.motion.in_metres;
+    settle_motion(room(), in_metres ? metres_of_unit() : std::nullopt, request.edit);
     return request;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;

@@ -62,10 +62,6 @@ double measure(const RoomObjects& objects, size_t i, ObjectChoice choice, const 
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Candidates from the one that has most of the choice downwards.
 class RankedObjects {
  public:

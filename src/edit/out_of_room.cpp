@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "core/quantile.h"
 #include "edit/fill/carrying_classes.h"
 #include "edit/fill/room_planes.h"
 #include "edit/row_flags.h"
@@ -60,10 +62,7 @@ class Shell {
     }
     Depths out{};
     for (size_t k = 0; k < kBeyondPlaces; ++k) {
-      const auto deep = all[k].begin() + static_cast<std::ptrdiff_t>((1 - kStray) * static_cast<double>(all[k].size()));
-      if (deep == all[k].end()) continue;
-      std::nth_element(all[k].begin(), deep, all[k].end());
-      out[k] = *deep;
+      out[k] = quantile_of(std::move(all[k]), 1 - kStray);
     }
     return out;
   }

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 #include <utility>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "edit/move_objects.h"
 #include "edit/relation/class_groups.h"
 
@@ -39,9 +39,7 @@ Vec3d middle_place(const EditableRoom& room, const std::vector<uint8_t>& rows, c
     throw_bad_input({}, "--move", "the room has no \"" + name + "\"", "`aligngs edit RUN --list` shows what it holds");
   Vec3d out;
   for (size_t a = 0; a < 3; ++a) {
-    const auto middle = places[a].begin() + static_cast<std::ptrdiff_t>(places[a].size() / 2);
-    std::nth_element(places[a].begin(), middle, places[a].end());
-    out[static_cast<int>(a)] = *middle;
+    out[static_cast<int>(a)] = median_of(std::move(places[a]));
   }
   return out;
 }

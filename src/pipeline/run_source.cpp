@@ -6,6 +6,7 @@
 #include "core/shell_word.h"
 #include "io/colmap.h"
 #include "io/output_place.h"
+#include "io/picture_format.h"
 #include "priors/photo_folder.h"
 #include "priors/teacher_list.h"
 #include "priors/video_frames.h"

@@ -12,6 +12,7 @@
 #include "core/steady_seconds.h"
 #include "core/temporary_paths.h"
 #include "io/abandoned_paths.h"
+#include "io/picture_format.h"
 #include "io/text_encoding.h"
 #include "priors/given_poses.h"
 #include "priors/scene_by_network.h"

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "core/progress.h"
-#include "io/picture_format.h"
 
 namespace aligngs {
 

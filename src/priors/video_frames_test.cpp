@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "io/picture_format.h"
 #include "priors/child_process.h"
 #include "priors/photo_folder.h"
 

@@ -110,12 +110,10 @@ std::string PhotoLookup::of_unread_kind(const std::string& name) const {
   for (const Folders& folders : places_) {
     for (const fs::path& folder : folders) {
       const fs::path wanted = folder / name;
-      std::error_code error;
-      for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end;
-           entry.increment(error)) {
-        const fs::path& file = entry->path();
-        if (is_named_like_picture(file) && !has_picture_extension(file) && !is_hidden(file) &&
-            file.stem().string() == stem_of(wanted))
+      const std::string stem = stem_of(wanted);
+      for (const Entry& entry : entries(wanted.parent_path())) {
+        const fs::path& file = entry.path;
+        if (is_named_like_picture(file) && !has_picture_extension(file) && file.stem().string() == stem)
           return as_utf8(file.filename().string());
       }
     }
@@ -138,11 +136,9 @@ PhotoLookup::Answer PhotoLookup::by_other_extension(const Folders& folders, cons
   for (const fs::path& folder : folders) {
     const fs::path wanted = folder / name;
     const std::string stem = stem_of(wanted), extension = lower_case(wanted.extension().string());
-    std::error_code error;
-    for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end;
-         entry.increment(error)) {
-      const fs::path& file = entry->path();
-      if (!has_picture_extension(file) || is_hidden(file) || file.stem().string() != stem || !is_file(file)) continue;
+    for (const Entry& entry : entries(wanted.parent_path())) {
+      const fs::path& file = entry.path;
+      if (!has_picture_extension(file) || file.stem().string() != stem || !is_file(file)) continue;
       (lower_case(file.extension().string()) == extension ? same : others).push_back(file);
     }
   }

@@ -45,10 +45,9 @@ std::string default_name(const std::string& format, bool edited) {
 }
 
 /// Scene units.
-double millimetre(const EditSession& session, const std::optional<MeasuredRoom>& measured) {
+double millimetre(const EditSession& session) {
   constexpr double kMillimetre = 1e-3;  // metres
-  if (measured && measured->scale_source != ScaleSource::kUnknown) return kMillimetre / measured->to_room.scale;
-  if (session.scene().metric) return kMillimetre;
+  if (const std::optional<double> metres = session.metres_of_unit()) return kMillimetre / *metres;
   throw_bad_input(session.folder(), "--error", "an error in millimetres needs a scale, and this run has none",
                   "give it one with aligngs scale, or use --triangles");
 }
@@ -84,7 +83,7 @@ HtmlParts html_parts(const EditSession& session, const RunExportOptions& options
     parts.before = &session.original();
   MeshOptions& mesh = parts.mesh_options;
   mesh.triangles = options.triangles;
-  if (options.error > 0) mesh.error = options.error * millimetre(session, room_of(session.folder()));
+  if (options.error > 0) mesh.error = options.error * millimetre(session);
   mesh.closed = options.closed;
   if (!mesh.simplified()) mesh.triangles = kHtmlTriangles;
   return parts;
@@ -111,8 +110,7 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   out.file = !options.file.empty() ? options.file : session.folder() / (default_name(format, out.edits > 0));
   RunFolder(session.folder()).require_not_of_run(out.file, session.scene().folder);
   const bool moves = options.coordinates == ExportCoordinates::kRoom && format != "html";
-  const std::optional<MeasuredRoom> measured =
-      moves || is_plan(format) || options.error > 0 ? room_of(session.folder()) : std::nullopt;
+  const std::optional<MeasuredRoom> measured = moves || is_plan(format) ? room_of(session.folder()) : std::nullopt;
   if (is_plan(format)) {
     if (!measured) refuse_missing_room(session.folder());
     write_plan(out.file, format, *measured);
@@ -157,7 +155,7 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   ExportOptions parts{.parts = options.parts};
   if (options.coordinates == ExportCoordinates::kOriginal) parts.offset = offset;
   parts.mesh.triangles = options.triangles;
-  parts.mesh.error = options.error > 0 ? options.error * millimetre(session, measured) * to.scale : 0;
+  parts.mesh.error = options.error > 0 ? options.error * millimetre(session) * to.scale : 0;
   parts.mesh.closed = options.closed;
   parts.mesh.texture_size = options.texture_size;
   if ((options.textured || format == "usdz") && !room.mesh.empty() && options.parts != RoomParts::kSplats) {

@@ -27,8 +27,8 @@ struct SurfaceHole {
   bool is_empty() const { return std::find(cells.begin(), cells.end(), uint8_t(1)) == cells.end(); }
 };
 
-/// Fills the cells of a hole from the carriers. Their constant harmonics are continued smoothly (surface_colors.h); the others are the carriers'
-/// mean. Without carriers the patch is empty.
+/// Fills the cells of a hole from the carriers. Their constant harmonics are continued smoothly (surface_colors.h); the
+/// others are the carriers' mean. Without carriers the patch is empty.
 SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& hole);
 
 /// `more` after `patch`.
