@@ -1,15 +1,13 @@
 #include "serve/served_run.h"
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "io/json_text.h"
-#include "scene/label_set.h"
 #include "serve/file_version.h"
-#include "serve/page_notes.h"
-#include "serve/request_body.h"
+#include "serve/run_descriptions.h"
+#include "serve/run_products.h"
 #include "serve/start_pose.h"
 #include "train/run_control.h"
 
@@ -20,122 +18,12 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr uint64_t kMaxJson = uint64_t(64) << 20;  // bytes of one description file
-constexpr size_t kMaxLine = size_t(1) << 20;       // bytes of one event
-
-/// The JSON files of a run. Each is read once, and the page shows its fault.
-class RunDescriptions {
- public:
-  /// The value of a file below `root`, null when it is absent, unreadable or nested too deeply.
-  const Json& read(const fs::path& root, const std::string& name) { return entry(root, name).value; }
-  /// read() of a file that is a JSON object.
-  const Json& object(const fs::path& root, const std::string& name) {
-    Entry& found = entry(root, name);
-    if (!found.value.is_null() && !found.value.is_object()) found = faulty(name + " is no JSON object");
-    return found.value;
-  }
-  /// Why a file that is a JSON object cannot be read; null where it can.
-  const Json& fault(const fs::path& root, const std::string& name) {
-    object(root, name);
-    return entry(root, name).fault;
-  }
-  /// The views and measurements of page.json; null without any.
-  Json notes(const fs::path& root) {
-    const Json& stored = read(root, "page.json");
-    if (stored.is_null()) return nullptr;
-    try {
-      return page_notes_json(read_page_notes(json_line(stored), "page.json"));
-    } catch (const Error& error) {
-      return faulty(error.what()).value;
-    }
-  }
-  const Json& problems() const { return problems_; }
-
- private:
-  struct Entry {
-    Json value, fault;
-  };
-
-  Entry& entry(const fs::path& root, const std::string& name) {
-    const auto [place, is_new] = files_.try_emplace(root / name);
-    if (is_new) place->second = read_now(root, name);
-    return place->second;
-  }
-  Entry read_now(const fs::path& root, const std::string& name) {
-    const auto file = ServedFile::open(root, name);
-    if (!file) return {};
-    const auto text = file->content(kMaxJson);
-    if (!text) return faulty(name + " is larger than 64 MiB");
-    if (json_depth(*text) > kDeepestFile)
-      return faulty(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
-    Json json = parse_json(*text);
-    if (json.is_discarded()) return faulty(name + " is no JSON");  // files of a run take their place whole
-    return {std::move(json), nullptr};
-  }
-  Entry faulty(const std::string& told) {
-    problems_.push_back(told);
-    return {nullptr, told};
-  }
-
-  std::map<fs::path, Entry> files_;
-  Json problems_ = Json::array();
-};
-
-bool has_file(const fs::path& root, const std::string& name) { return ServedFile::open(root, name).has_value(); }
-
-/// Whether a folder lies in the run, links followed.
-bool has_folder(const fs::path& root, const fs::path& name) {
-  std::error_code error;
-  const fs::path found = fs::canonical(root / name, error);
-  if (error || !fs::is_directory(found, error)) return false;
-  const fs::path inside = found.lexically_relative(root);
-  return !inside.empty() && *inside.begin() != "..";
-}
-
-Json field(const Json& object, const char* name) {
-  return object.is_object() && object.contains(name) ? object.at(name) : Json();
-}
+constexpr size_t kMaxLine = size_t(1) << 20;  // bytes of one event
 
 /// The place of a run's scene, as its record has it.
 std::optional<std::string> scene_of(const Json& record) {
-  const Json scene = field(record, "scene");
+  const Json scene = json_field(record, "scene");
   return scene.is_string() ? std::optional(scene.get<std::string>()) : std::nullopt;
-}
-
-/// Names of views -> {"split": ..., "kinds": [...]} from the folders of renders/.
-Json rendered_views(const fs::path& root) {
-  Json views = Json::object();
-  std::error_code error;
-  for (const char* split : {"test", "train"}) {
-    for (const char* kind : {"gt", "rgb", "depth", "normal", "label", "error"}) {
-      if (!has_folder(root, fs::path("renders") / split / kind)) continue;
-      for (fs::directory_iterator i(root / "renders" / split / kind, error), end; !error && i != end;
-           i.increment(error)) {
-        if (i->path().extension() != ".png") continue;
-        Json& view = views[i->path().stem().string()];
-        view["split"] = split;
-        view["kinds"].push_back(kind);
-      }
-      error.clear();
-    }
-  }
-  return views;
-}
-
-/// The classes of a run that has not written its classes.json yet: those of its scene.
-Json scene_classes(const fs::path& scene) {
-  LabelSet labels = ade20k_labels();
-  try {
-    if (has_file(scene, "labels.csv")) labels = read_label_csv(scene / "labels.csv");
-  } catch (const Error&) {
-    return nullptr;
-  }
-  Json classes = Json::array();
-  for (int i = 0; i < labels.size(); ++i) {
-    const LabelClass& c = labels.classes[static_cast<size_t>(i)];
-    classes.push_back({{"id", i}, {"name", c.name}, {"synonyms", c.synonyms}, {"color", c.color}});
-  }
-  return classes;
 }
 
 /// Why edits, pictures and exports are not there for a run; null when they are. `scene` is its folder, empty where there
@@ -149,35 +37,12 @@ Json why_not_editable(const fs::path& root, RunDescriptions& descriptions, const
   }
   const Json& record = descriptions.object(root, "run.json");
   if (!record.is_object()) return "run.json, the record of the run, is missing or damaged";
-  if (field(record, "scene").is_string() && scene.empty())
+  if (json_field(record, "scene").is_string() && scene.empty())
     return "the scene of this run is not where run.json says: `aligngs view RUN --scene DIR` names its new place";
   for (const char* name : {"edits.json", "selections.json"}) {
     if (const Json& fault = descriptions.fault(root, name); !fault.is_null()) return fault;
   }
   return nullptr;
-}
-
-/// Stages of `aligngs run`, in order, and the progress of this run.
-Json stages_of(const fs::path& root, const Json& run, bool active) {
-  struct Stage {
-    const char *name, *product;
-  };
-  constexpr Stage kStages[] = {{"train", "scene.ply"},
-                               {"render", "renders"},
-                               {"mesh", "mesh/mesh.ply"},
-                               {"measure", "metrics.json"},
-                               {"report", "report.html"}};
-  const Json named = field(run, "stage");
-  const std::string current = !active ? "" : named.is_string() ? named.get<std::string>() : "train";
-  Json stages = Json::array();
-  bool later = false;  // than the one in progress: products there are of an earlier time
-  for (const Stage& stage : kStages) {
-    const bool now = current == stage.name;
-    const bool done = !now && !later && fs::exists(root / stage.product);
-    later |= now;
-    stages.push_back({{"name", stage.name}, {"state", now ? "now" : done ? "done" : "waiting"}});
-  }
-  return stages;
 }
 
 }  // namespace
@@ -226,10 +91,10 @@ Json ServedRun::description() const {
   state["name"] = root_.filename().string();
   RunDescriptions descriptions;
   const Json run = descriptions.object(root_, "run.json");
-  for (const char* name : {"status", "stage", "train"}) state[name] = field(run, name);
+  for (const char* name : {"status", "stage", "train"}) state[name] = json_field(run, name);
   const bool active = RunControl(root_).active();
   state["active"] = active;
-  state["stages"] = stages_of(root_, run, active);
+  state["stages"] = run_stages(root_, run, active);
   std::string trained;
   for (const char* name : {"scene.labels.ply", "scene.ply"}) {
     if (trained.empty() && has_file(root_, name)) trained = name;
@@ -246,7 +111,7 @@ Json ServedRun::description() const {
   state["not_editable"] = why_not_editable(root_, descriptions, scene, active);
   state["editable"] = state["not_editable"].is_null();
   state["drawable"] = state["editable"].get<bool>() && has_folder(root_, "checkpoints");
-  const Json edits = field(descriptions.object(root_, "edits.json"), "edits");
+  const Json edits = json_field(descriptions.object(root_, "edits.json"), "edits");
   if (!live && state["editable"].get<bool>() && edits.is_array() && !edits.empty()) {
     state["edited"] = true;
     state["edits"] = file_version(root_ / "edits.json");
@@ -254,7 +119,7 @@ Json ServedRun::description() const {
   state["selections"] = has_file(root_, "selections.json") ? Json(file_version(root_ / "selections.json")) : Json();
   state["version"] =
       file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
-  state["classes"] = field(descriptions.object(root_, "classes.json"), "classes");
+  state["classes"] = json_field(descriptions.object(root_, "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
   state["cameras"] = descriptions.read(root_, "cameras.json");
   state["views"] = rendered_views(root_);
@@ -267,8 +132,8 @@ Json ServedRun::description() const {
   state["notes"] = descriptions.notes(root_);
   if (!scene.empty()) {
     const Json description = descriptions.object(scene, "scene.json");
-    state["up"] = field(description, "up");
-    state["units"] = field(description, "units");
+    state["up"] = json_field(description, "up");
+    state["units"] = json_field(description, "units");
   }
   state["start"] = start_pose_json(start_pose(state["cameras"], state["up"]));
   state["problems"] = descriptions.problems();
