@@ -7,8 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/clean_root.sh
 case "${1:-}" in -h|--help) sed -n '2,5p' "$0" | cut -c3-; exit 0 ;; esac
-deb=${1:-$(ls -t dist/aligngs_*.deb 2>/dev/null | head -n 1)}
-[ -f "$deb" ] || { echo "check_image.sh: there is no package: run scripts/package.sh first" >&2; exit 3; }
+deb=$(package_in_dist 'aligngs_*.deb' package.sh "${1:-}")
 clean_root_or_skip
 command -v unshare >/dev/null || { echo "skipped: unshare is missing (apt-get install util-linux)"; exit 77; }
 make_clean_root

@@ -5,11 +5,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/clean_root.sh
 case "${1:-}" in -h|--help) sed -n '2,3p' "$0" | cut -c3-; exit 0 ;; esac
-deb=${1:-$(ls -t dist/aligngs_*.deb 2>/dev/null | head -n 1)}
-[ -f "$deb" ] || { echo "check_package.sh: there is no package: run scripts/package.sh first" >&2; exit 3; }
+deb=$(package_in_dist 'aligngs_*.deb' package.sh "${1:-}")
 clean_root_or_skip
 make_clean_root
-python=$(ls -t dist/python3-aligngs_*.deb 2>/dev/null | head -n 1 || true)
+python=$(package_in_dist 'python3-aligngs_*.deb' package.sh 2>/dev/null || true)
 cp "$deb" "$root/tmp/aligngs.deb"
 [ -z "$python" ] || cp "$python" "$root/tmp/python3-aligngs.deb"
 inside apt-get update -qq

@@ -6,8 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/clean_root.sh
 case "${1:-}" in -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;; esac
-archive=$(ls -t dist/aligngs-*-linux-*.tar.gz 2>/dev/null | head -n 1)
-[ -f "$archive" ] || { echo "check_portable.sh: there is no archive: run scripts/portable.sh first" >&2; exit 3; }
+archive=$(package_in_dist 'aligngs-*-linux-*.tar.gz' portable.sh)
 clean_root_or_skip
 make_clean_root "${1:-bookworm}"
 inside useradd --create-home visitor

@@ -1,10 +1,20 @@
 # For scripts that check an installation in a clean system. Sourced, not run:
+#   package_in_dist PATTERN SCRIPT [FILE]
+#                              prints FILE, or else the newest of that name in dist/; 3 without one, which SCRIPT makes
 #   clean_root_or_skip         77 with a reason where root or debootstrap is missing
 #   make_clean_root [SUITE]    a minimal Debian 12, or jammy or noble of Ubuntu, in a temporary folder, named by $root;
 #                              removed when the script ends. It is kept for a week in ~/.cache/aligngs for the next one.
 #                              77 with a reason where it cannot be made, which says nothing about a package.
 #   inside COMMAND...          runs a command in it
 # shellcheck shell=bash
+
+package_in_dist() {
+  local file
+  # shellcheck disable=SC2086
+  file=${3:-$(ls -t dist/$1 2>/dev/null | head -n 1 || true)}
+  [ -f "$file" ] || { echo "$(basename "$0"): there is no ${3:-dist/$1}: run scripts/$2 first" >&2; return 3; }
+  echo "$file"
+}
 
 clean_root_or_skip() {
   if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
