@@ -4,142 +4,23 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <optional>
 #include <set>
 
-#include "core/angles.h"
 #include "core/median.h"
+#include "refine/screen_photos.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kSameDirection = 5;  // degrees: normals nearer to each other are tried once
-constexpr size_t kPeaks = 3;          // of a photo's agreement that the other photos are asked about, for each normal
-constexpr int kFine = 4;              // parts of a step that the best plane is looked for in
-constexpr double kTail = 0.03;        // of an outline's points on each side that a rectangle does not follow
-constexpr int kShownStride = 2;       // pixels between those that a region and a rectangle are compared at
+constexpr int kFine = 4;         // parts of a step that the best plane is looked for in
+constexpr double kTail = 0.03;   // of an outline's points on each side that a rectangle does not follow
+constexpr int kShownStride = 2;  // pixels between those that a region and a rectangle are compared at
 
 using Regions = std::vector<ScreenRegion>;
 
-/// Shared input of all steps.
-struct Photos {
-  const std::vector<PlaneView>& views;
-  const std::vector<ScenePlane>& planes;
-  const ScreenSettings& settings;
-  std::vector<ImageF> gradients;
-
-  const Camera& camera(const ScreenRegion& region) const { return views[region.view].camera; }
-};
-
-Vec3d ray_in_world(const Camera& camera, double u, double v) {
-  return transpose_times(camera.world_to_camera.rotation, camera.ray(u, v));
-}
-
-/// Ray of the middle of a region, z = 1.
-Vec3d middle_ray(const Photos& photos, const ScreenRegion& region) {
-  return ray_in_world(photos.camera(region), region.centre.x, region.centre.y);
-}
-
-Vec3d middle_at(const Photos& photos, const ScreenRegion& region, double depth) {
-  return photos.camera(region).centre() + middle_ray(photos, region) * depth;
-}
-
-WorldPlane plane_at(const Photos& photos, const ScreenRegion& region, const Vec3d& normal, double depth) {
-  return {normal, -dot(normal, middle_at(photos, region, depth))};
-}
-
-/// Depth of the middle of a region on a plane; 0: not before the camera, or the plane is seen from behind.
-double depth_on(const Photos& photos, const ScreenRegion& region, const WorldPlane& plane) {
-  const double distance = dot(plane.normal, photos.camera(region).centre()) + plane.offset,
-               slope = -dot(plane.normal, middle_ray(photos, region));
-  return distance > 0 && slope > 0 ? distance / slope : 0;
-}
-
-/// Directions that the screen may face.
-std::vector<Vec3d> normals_for(const Photos& photos, const ScreenRegion& region) {
-  const Vec3d to_camera = -normalized(middle_ray(photos, region));
-  const double same = std::cos(kSameDirection * kRadiansPerDegree);
-  std::vector<Vec3d> out;
-  const auto add = [&](const Vec3d& normal) {
-    if (dot(normal, to_camera) < photos.settings.least_cosine) return;
-    if (std::none_of(out.begin(), out.end(), [&](const Vec3d& known) { return dot(known, normal) > same; }))
-      out.push_back(normal);
-  };
-  for (const ScenePlane& plane : photos.planes) {
-    if (plane.kind == PlaneKind::kWall) add(plane.normal);
-  }
-  const std::optional<Vec3d> vertical = vertical_of(photos.planes);
-  add(vertical ? normalized(region.normal - *vertical * dot(region.normal, *vertical)) : region.normal);
-  return out;
-}
-
-bool is_in_room(const Photos& photos, const ScreenRegion& region, double depth) {
-  const Vec3d centre = photos.camera(region).centre(), place = middle_at(photos, region, depth);
-  return std::none_of(photos.planes.begin(), photos.planes.end(), [&](const ScenePlane& plane) {
-    return plane.kind == PlaneKind::kWall && plane.distance(centre) > 0 &&
-           plane.distance(place) < -photos.settings.behind * depth;
-  });
-}
-
-/// How well the other photos agree with a region's outline on a plane, in [0, 1], each weighed by the angle that it
-/// looks from.
-double agreement_of(const Photos& photos, const ScreenRegion& region, const WorldPlane& plane) {
-  const double depth = depth_on(photos, region, plane);
-  if (!(depth > 0)) return 0;
-  const ScreenSettings& s = photos.settings;
-  const Camera& camera = photos.camera(region);
-  const Vec3d place = middle_at(photos, region, depth), from = normalized(place - camera.centre());
-  double sum = 0, whole = 0;
-  int count = 0;
-  for (size_t v = 0; v < photos.views.size(); ++v) {
-    const Camera& other = photos.views[v].camera;
-    const double cosine = dot(from, normalized(place - other.centre()));
-    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegreesPerRadian;
-    if (v == region.view || angle < s.least_angle) continue;
-    const OutlineAgreement a = agreement(region.outline, camera, plane, other, photos.gradients[v], s.regions.outline);
-    if (a.inside < s.least_inside) continue;
-    const double weight = std::min(1.0, angle / s.good_angle);
-    sum += weight * a.share;
-    whole += weight;
-    ++count;
-  }
-  return count >= s.least_photos ? sum / whole : 0;
-}
-
-double mean_agreement(const Photos& photos, const Regions& regions, const std::vector<size_t>& of,
-                      const WorldPlane& plane) {
-  double sum = 0;
-  for (const size_t i : of) sum += agreement_of(photos, regions[i], plane);
-  return of.empty() ? 0 : sum / static_cast<double>(of.size());
-}
-
-double log_step(const ScreenSettings& s) { return 2 * s.range / std::max(1, s.hypotheses - 1); }
-
-/// The planes that the other photos agree with best, as one photo's outline asks them.
-std::vector<WorldPlane> candidates(const Photos& photos, const ScreenRegion& region) {
-  const ScreenSettings& s = photos.settings;
-  std::vector<WorldPlane> out;
-  for (const Vec3d& normal : normals_for(photos, region)) {
-    std::vector<WorldPlane> planes;
-    std::vector<double> curve;
-    for (int k = 0; k < s.hypotheses; ++k) {
-      const double depth = region.depth * std::exp(k * log_step(s) - s.range);
-      planes.push_back(plane_at(photos, region, normal, depth));
-      curve.push_back(is_in_room(photos, region, depth) ? agreement_of(photos, region, planes.back()) : 0);
-    }
-    std::vector<std::pair<double, size_t>> peaks;
-    for (size_t k = 0; k < curve.size(); ++k) {
-      const double before = k > 0 ? curve[k - 1] : 0, after = k + 1 < curve.size() ? curve[k + 1] : 0;
-      if (curve[k] > 0 && curve[k] >= before && curve[k] > after) peaks.emplace_back(-curve[k], k);
-    }
-    std::sort(peaks.begin(), peaks.end());
-    for (size_t p = 0; p < std::min(peaks.size(), kPeaks); ++p) out.push_back(planes[peaks[p].second]);
-  }
-  return out;
-}
-
 /// The rectangle of outlines on a plane: each side where half of the photos have it farther out.
-Panel rectangle(const Photos& photos, const Regions& regions, const std::vector<size_t>& of, const WorldPlane& plane) {
+Panel rectangle(const ScreenPhotos& photos, const Regions& regions, const std::vector<size_t>& of,
+                const WorldPlane& plane) {
   Panel panel;
   panel.normal = plane.normal;
   panel.offset = plane.offset;
@@ -150,7 +31,7 @@ Panel rectangle(const Photos& photos, const Regions& regions, const std::vector<
     if (points.empty()) continue;
     panel.points += points.size();
     ++panel.views;
-    depths.push_back(depth_on(photos, regions[i], plane));
+    depths.push_back(photos.depth_on(regions[i], plane));
     for (int k = 0; k < 2; ++k) {
       std::vector<double> along;
       for (const Vec3d& p : points) along.push_back(dot(k == 0 ? panel.across : panel.up, p));
@@ -169,7 +50,7 @@ Panel rectangle(const Photos& photos, const Regions& regions, const std::vector<
 }
 
 /// Whether a region is the panel as its photo shows it.
-bool shows(const Photos& photos, const ScreenRegion& region, const Panel& panel) {
+bool shows(const ScreenPhotos& photos, const ScreenRegion& region, const Panel& panel) {
   const Camera& camera = photos.camera(region);
   const Vec3d centre = camera.centre();
   const double distance = panel.distance(centre);
@@ -201,7 +82,7 @@ struct Placement {
 /// Places screens one after the other.
 class Placer {
  public:
-  Placer(const Photos& photos, const Regions& regions, const ScreenSupport& support)
+  Placer(const ScreenPhotos& photos, const Regions& regions, const ScreenSupport& support)
       : photos_(photos), regions_(regions), support_(support) {}
 
   /// A plane that came from one region, for it and those of `left` that show the same rectangle.
@@ -211,7 +92,7 @@ class Placer {
     for (const size_t i : left) {
       if (i == first || shows(photos_, regions_[i], panel)) out.regions.push_back(i);
     }
-    out.agreement = mean_agreement(photos_, regions_, out.regions, plane);
+    out.agreement = photos_.mean_agreement(regions_, out.regions, plane);
     complete(plane, out);
     return out;
   }
@@ -220,11 +101,11 @@ class Placer {
   Placement refine(Placement placement) const {
     const ScreenRegion& first = regions_[placement.regions.front()];
     const WorldPlane start{placement.panel.normal, placement.panel.offset};
-    const double depth = depth_on(photos_, first, start), step = log_step(photos_.settings) / kFine;
+    const double depth = photos_.depth_on(first, start), step = photos_.log_step() / kFine;
     WorldPlane best = start;
     for (int k = -2 * kFine; k <= 2 * kFine; ++k) {
-      const WorldPlane plane = plane_at(photos_, first, start.normal, depth * std::exp(k * step));
-      const double agreement = mean_agreement(photos_, regions_, placement.regions, plane);
+      const WorldPlane plane = photos_.plane_at(first, start.normal, depth * std::exp(k * step));
+      const double agreement = photos_.mean_agreement(regions_, placement.regions, plane);
       if (agreement <= placement.agreement) continue;
       placement.agreement = agreement;
       best = plane;
@@ -242,8 +123,8 @@ class Placer {
       const std::vector<size_t> known = panels_of(regions_[i], panels);
       double today = 0;
       for (const size_t k : known) today = std::max(today, score(i, {panels[k].normal, panels[k].offset}));
-      for (const Vec3d& normal : known.empty() ? normals_for(photos_, regions_[i]) : std::vector<Vec3d>{}) {
-        today = std::max(today, score(i, plane_at(photos_, regions_[i], normal, regions_[i].depth)));
+      for (const Vec3d& normal : known.empty() ? photos_.normals_for(regions_[i]) : std::vector<Vec3d>{}) {
+        today = std::max(today, score(i, photos_.plane_at(regions_[i], normal, regions_[i].depth)));
       }
       all += today;
       on_panels += known.empty() ? 0 : today;
@@ -275,7 +156,7 @@ class Placer {
 
   /// Result of one region alone.
   double score(size_t region, const WorldPlane& plane) const {
-    return agreement_of(photos_, regions_[region], plane) + supported(rectangle(photos_, regions_, {region}, plane));
+    return photos_.agreement_of(regions_[region], plane) + supported(rectangle(photos_, regions_, {region}, plane));
   }
 
   void complete(const WorldPlane& plane, Placement& placement) const {
@@ -287,13 +168,13 @@ class Placer {
   std::vector<size_t> panels_of(const ScreenRegion& region, const std::vector<Panel>& panels) const {
     std::vector<size_t> out;
     for (size_t k = 0; k < panels.size(); ++k) {
-      const double depth = depth_on(photos_, region, {panels[k].normal, panels[k].offset});
-      if (depth > 0 && panels[k].contains(middle_at(photos_, region, depth))) out.push_back(k);
+      const double depth = photos_.depth_on(region, {panels[k].normal, panels[k].offset});
+      if (depth > 0 && panels[k].contains(photos_.middle_at(region, depth))) out.push_back(k);
     }
     return out;
   }
 
-  const Photos& photos_;
+  const ScreenPhotos& photos_;
   const Regions& regions_;
   const ScreenSupport& support_;
 };
@@ -310,7 +191,7 @@ void for_each(size_t count, ThreadPool& pool, const Work& work) {
 std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas,
                                  const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
                                  std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool) {
-  Photos photos{views, planes, settings, std::vector<ImageF>(views.size())};
+  ScreenPhotos photos{views, planes, settings, std::vector<ImageF>(views.size())};
   std::vector<Regions> per_view(views.size());
   for_each(views.size(), pool, [&](size_t v) {
     photos.gradients[v] = luma_gradient(*lumas[v]);
@@ -323,7 +204,7 @@ std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std:
   const ScreenSupport support(views, classes, planes, settings.support, pool);
   const Placer placer(photos, regions, support);
   std::vector<std::vector<WorldPlane>> tried(regions.size());
-  for_each(regions.size(), pool, [&](size_t i) { tried[i] = candidates(photos, regions[i]); });
+  for_each(regions.size(), pool, [&](size_t i) { tried[i] = photos.candidates(regions[i]); });
   std::vector<size_t> left(regions.size());
   std::iota(left.begin(), left.end(), size_t(0));
   while (!left.empty()) {
