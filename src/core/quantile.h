@@ -1,4 +1,4 @@
-// The value below which a share of a list lies.
+// Values below which a share of a list lies, by three rules that differ by up to a rank.
 #pragma once
 
 #include <algorithm>
@@ -15,6 +15,24 @@ T quantile_of(std::vector<T> values, double share) {
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(k);
   std::nth_element(values.begin(), place, values.end());
   return *place;
+}
+
+/// The value at `share` of the way from the first rank to the last one, at the nearest rank; 0 for an empty list.
+template <class T>
+T nearest_rank_of(std::vector<T> values, double share) {
+  if (values.empty()) return T(0);
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<size_t>(rank)];
+}
+
+/// The same at the rank below.
+template <class T>
+T lower_rank_of(std::vector<T> values, double share) {
+  if (values.empty()) return T(0);
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<size_t>(rank)];
 }
 
 }  // namespace aligngs

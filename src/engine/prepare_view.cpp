@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/half.h"
 #include "core/is_depth.h"
+#include "core/quantile.h"
 #include "engine/edge_band.h"
 #include "engine/formulas/teacher_sampling.h"
 #include "scene/depth_normals.h"
@@ -83,13 +84,6 @@ void check_sizes(const ViewData& data, const ImageF* confidence) {
   }
 }
 
-// The q-quantile (nearest rank) of a non-empty list.
-float quantile(std::vector<float>& values, double q) {
-  const size_t rank = static_cast<size_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
-  return values[rank];
-}
-
 }  // namespace
 
 Image<uint8_t> label_edge_map(const Image<uint16_t>& labels, const PrepareOptions& options) {
@@ -119,8 +113,8 @@ ImageF depth_weight_map(const ImageF& depth, const ImageF* confidence, const Pre
       if (usable(i)) values.push_back(confidence->data[i]);
     }
     if (values.empty()) return weight;
-    low = quantile(values, options.confidence_low);
-    high = quantile(values, options.confidence_high);
+    low = nearest_rank_of(values, options.confidence_low);
+    high = nearest_rank_of(values, options.confidence_high);
   }
   for (size_t i = 0; i < depth.data.size(); ++i) {
     if (!usable(i) || band.data[i]) continue;

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "core/quantile.h"
+#include "core/steady_seconds.h"
 #include "mesh/marching_cubes.h"
 #include "mesh/tsdf_volume.h"
 #include "mesh/unseen_surface.h"
@@ -33,18 +34,11 @@ constexpr double kMaxInterpolatedWeight = 0.3;  // of a photo's: it saw nothing 
 constexpr double kMaxNearness = 4;              // (median depth / depth)^2 is capped at its square
 constexpr int kStatisticsStride = 4;            // pixels between the samples of medians
 
-double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<size_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
-  return values[rank];
-}
-
 /// Half the diagonal of the box between the 5 % and 95 % quantiles of surface points and camera centres.
 double extent_of(std::vector<double> (&coordinates)[3]) {
   double squared = 0;
   for (auto& values : coordinates) {
-    const double size = quantile(values, 0.95) - quantile(values, 0.05);
+    const double size = nearest_rank_of(values, 0.95) - nearest_rank_of(values, 0.05);
     squared += size * size;
   }
   return 0.5 * std::sqrt(squared);
@@ -56,7 +50,7 @@ class Fusion {
       : frames_(frames), options_(options), pool_(pool) {}
 
   FusionResult run() {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = steady_seconds();
     check_fusion_frames(frames_);
     check_options();
     FusionResult result;
@@ -72,7 +66,7 @@ class Fusion {
     }
     report_.vertices = result.mesh.vertices.size();
     report_.triangles = result.mesh.triangles.size();
-    report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report_.seconds = steady_seconds() - start;
     result.report = report_;
     return result;
   }
@@ -107,9 +101,10 @@ class Fusion {
         }
       }
     }
-    report_.max_depth = options_.max_depth > 0 ? options_.max_depth
-                                               : options_.max_depth_factor * quantile(depths, options_.depth_quantile);
-    report_.median_depth = quantile(depths, 0.5);
+    report_.max_depth = options_.max_depth > 0
+                            ? options_.max_depth
+                            : options_.max_depth_factor * nearest_rank_of(depths, options_.depth_quantile);
+    report_.median_depth = nearest_rank_of(depths, 0.5);
     if (!options_.metric) {
       const double extent = options_.extent > 0 ? options_.extent : extent_of(coordinates);
       if (extent > 0) report_.metre = extent / kTypicalExtent;
@@ -133,7 +128,7 @@ class Fusion {
         }
       }
     }
-    report_.median_footprint = quantile(footprints, 0.5);
+    report_.median_footprint = nearest_rank_of(footprints, 0.5);
     report_.two_view_residual = two_view_residual(frames_, depths_, pool_);
     const double metre = report_.metre;
     const double finest =

@@ -5,6 +5,7 @@
 
 #include "core/angles.h"
 #include "core/is_depth.h"
+#include "core/quantile.h"
 #include "io/resample.h"
 #include "refine/plane_depth.h"
 #include "refine/view_overlap.h"
@@ -53,10 +54,7 @@ float far_end(const ImageF& depth) {
   for (const float z : depth.data) {
     if (z > 0) values.push_back(z);
   }
-  if (values.empty()) return 0;
-  const auto far = values.begin() + static_cast<ptrdiff_t>(kFarShare * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), far, values.end());
-  return *far;
+  return lower_rank_of(std::move(values), kFarShare);
 }
 
 /// Half of 1 at `off` = 1.

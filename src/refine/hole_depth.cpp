@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
+
 namespace aligngs {
 namespace {
 
@@ -16,9 +18,7 @@ double disagreement_of(const ImageF& sensor, const PhotoDepth& stereo, int least
     ratios.push_back(std::abs(std::log(stereo.depth.data[i] / sensor.data[i])));
   }
   if (ratios.size() < static_cast<size_t>(least_common)) return 0;
-  const auto middle = ratios.begin() + static_cast<ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median_of(std::move(ratios)));
 }
 
 HoleDepth fill(const ImageF& sensor, const PhotoDepth& stereo, const HoleDepthSettings& settings) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/angles.h"
+#include "core/median.h"
 
 namespace aligngs {
 namespace {
@@ -162,8 +163,7 @@ Vec3d between(const Vec3d& a, const Vec3d& b, double s) {
 double tour_height(const RoomInside& room, const std::vector<Camera>& photos) {
   std::vector<double> heights;
   for (const Place& p : places_of(room, photos)) heights.push_back(p.eye.z);
-  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2), heights.end());
-  return std::clamp(heights[heights.size() / 2], kLowest * room.height(), kHighest * room.height());
+  return std::clamp(median_of(std::move(heights)), kLowest * room.height(), kHighest * room.height());
 }
 
 CameraPath orbit_path(const RoomInside& room, const std::vector<Camera>& photos, double seconds) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "core/quantile.h"
 #include "room/largest_cluster.h"
 
 namespace aligngs {
@@ -29,14 +30,8 @@ struct Range {
 };
 
 /// Without the tail on each side.
-Range range_of(std::vector<double> values, double tail) {
-  const auto at = [&values](double share) {
-    const size_t k = std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())));
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
-    return values[k];
-  };
-  const double low = at(tail);
-  return {low, at(1 - tail)};
+Range range_of(const std::vector<double>& values, double tail) {
+  return {quantile_of(values, tail), quantile_of(values, 1 - tail)};
 }
 
 struct Turned {

@@ -3,6 +3,7 @@
 
 #include "core/angles.h"
 #include "core/median.h"
+#include "core/quantile.h"
 #include "scene/kd_tree.h"
 #include "synth/acceptance_measures.h"
 
@@ -38,14 +39,11 @@ double mean_of(const std::vector<double>& v) {
 }
 
 float quantile(const ImageF& confidence, double q) {
-  std::vector<float> sorted;
+  std::vector<float> known;
   for (const float c : confidence.data) {
-    if (c > 0) sorted.push_back(c);
+    if (c > 0) known.push_back(c);
   }
-  if (sorted.empty()) return 0;
-  const size_t k = static_cast<size_t>(q * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(k), sorted.end());
-  return sorted[k];
+  return lower_rank_of(std::move(known), q);
 }
 
 std::vector<double> ranks(const std::vector<double>& values) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/quantile.h"
+
 namespace aligngs {
 namespace {
 
@@ -14,15 +16,14 @@ struct Pick {
 };
 
 void pick_confident(const TeacherView& teacher, size_t view, std::vector<Pick>& picks) {
-  std::vector<float> sorted;
+  std::vector<float> known;
   for (const float c : teacher.confidence.data) {
-    if (c > 0) sorted.push_back(c);
+    if (c > 0) known.push_back(c);
   }
-  if (sorted.empty()) return;
-  const size_t k = static_cast<size_t>(kCloudQuantile * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(k), sorted.end());
+  if (known.empty()) return;
+  const float least = lower_rank_of(std::move(known), kCloudQuantile);
   for (uint32_t p = 0; p < teacher.confidence.data.size(); ++p) {
-    if (teacher.depth.data[p] > 0 && teacher.confidence.data[p] >= sorted[k]) picks.push_back({view, p});
+    if (teacher.depth.data[p] > 0 && teacher.confidence.data[p] >= least) picks.push_back({view, p});
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/error.h"
+#include "core/quantile.h"
 #include "scene/stuff_classes.h"
 #include "synth/class_confusions.h"
 #include "synth/teacher_regions.h"
@@ -189,10 +190,9 @@ std::vector<NamedRegion> seen_regions(const RenderedView& view, const RoomModel&
         along.push_back(nx * static_cast<double>(p % static_cast<size_t>(width)) +
                         ny * std::floor(static_cast<double>(p) / width));
     }
-    const auto middle = along.begin() + static_cast<std::ptrdiff_t>(where * static_cast<double>(along.size()));
-    std::nth_element(along.begin(), middle, along.end());
+    const double middle = quantile_of(std::move(along), where);
     for (const bool above : {false, true}) {
-      NamedRegion part{part_of(all.region, width, nx, ny, *middle, above), all.label};
+      NamedRegion part{part_of(all.region, width, nx, ny, middle, above), all.label};
       if (part.region.pixels >= kLeastSegment && !(above && half_missed)) out.push_back(std::move(part));
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/is_depth.h"
+#include "core/quantile.h"
 #include "engine/prepare_view.h"
 #include "io/resample.h"
 #include "scene/prior_maps.h"
@@ -183,9 +184,8 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
     if (is_depth(z)) depths.push_back(z);
   }
   if (depths.empty() || config.train.near_share <= 0) return static_cast<float>(global);
-  const auto low = depths.begin() + static_cast<std::ptrdiff_t>(kNearQuantile * static_cast<double>(depths.size()));
-  std::nth_element(depths.begin(), low, depths.end());
-  return static_cast<float>(std::max(global, config.train.near_share * *low));
+  const float low = quantile_of(std::move(depths), kNearQuantile);
+  return static_cast<float>(std::max(global, config.train.near_share * low));
 }
 
 float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view) {
