@@ -1,9 +1,9 @@
 #include "nn/matrix_rate.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "core/random.h"
+#include "core/steady_seconds.h"
 #include "nn/ops/linear.h"
 
 namespace aligngs::nn {
@@ -17,15 +17,11 @@ double measure_matrix_rate(Compute& compute) {
   const Linear linear(compute, weight, kWidth, kWidth, {});
   Matrix x(kRows, kWidth);
   for (int64_t i = 0; i < kRows * kWidth; ++i) x.data[size_t(i)] = float(random.normal());
-  using Clock = std::chrono::steady_clock;
-  const auto seconds_since = [](Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  };
   double best = 1e9;
-  for (const auto start = Clock::now(); seconds_since(start) < kSeconds;) {
-    const auto begin = Clock::now();
+  for (const double start = steady_seconds(); steady_seconds() - start < kSeconds;) {
+    const double begin = steady_seconds();
     linear(compute, x);
-    best = std::min(best, seconds_since(begin));
+    best = std::min(best, steady_seconds() - begin);
   }
   return 2.0 * double(kRows * kWidth * kWidth) / std::max(best, 1e-9);
 }

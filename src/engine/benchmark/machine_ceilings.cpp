@@ -1,10 +1,10 @@
 #include "engine/benchmark/machine_ceilings.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <limits>
 
+#include "core/steady_seconds.h"
 #include "engine/benchmark/amx_peak.h"
 #include "engine/cpu/aligned_array.h"
 #include "engine/cpu/simd_targets.h"
@@ -87,9 +87,9 @@ constexpr size_t kTaskElements = size_t(1) << 20;
 double best_seconds(const std::function<void()>& run) {
   double best = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kRuns; ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = steady_seconds();
     run();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    best = std::min(best, steady_seconds() - start);
   }
   return best;
 }

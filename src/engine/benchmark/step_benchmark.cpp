@@ -1,21 +1,17 @@
 #include "engine/benchmark/step_benchmark.h"
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 #include <memory>
 #include <thread>
 
 #include "core/error.h"
 #include "core/memory_budget.h"
+#include "core/steady_seconds.h"
 #include "engine/cpu/cpu_engine.h"
 
 namespace aligngs {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -27,7 +23,7 @@ double median(std::vector<double> values) {
 /// One call as training makes it: the statistics of the steps so far, a tenth of the rows grows.
 void time_density_control(Engine& engine, StepTiming& out) {
   Random random(1);
-  const auto start = std::chrono::steady_clock::now();
+  const double start = steady_seconds();
   GaussianModel model;
   engine.store_shapes(model);
   const DensityStatistics statistics = engine.density_statistics();
@@ -45,7 +41,7 @@ void time_density_control(Engine& engine, StepTiming& out) {
   }
   engine.restructure(plan_density_control(model, statistics, rule, random));
   engine.reset_density_statistics();
-  out.densify_seconds = seconds_since(start);
+  out.densify_seconds = steady_seconds() - start;
   out.densified = engine.size();
 }
 
@@ -94,9 +90,9 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
     request.losses.semantic_sample =
         make_semantic_sample(options.pixel_share, i / kBenchmarkViews, std::max(camera.width, camera.height));
     const std::clock_t cpu_start = std::clock();
-    const auto start = std::chrono::steady_clock::now();
+    const double start = steady_seconds();
     const StepReport report = engine->step(request);
-    const double seconds = seconds_since(start);
+    const double seconds = steady_seconds() - start;
     if (report.non_finite.found) {
       throw Error({ErrorKind::kFailed,
                    "a step of the benchmark gave a value that is not finite",
@@ -128,9 +124,9 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
   render.labels = options.room.channels > 0;
   render.semantic_blend = options.blend;
   engine->render(camera, render);
-  const auto start = std::chrono::steady_clock::now();
+  const double start = steady_seconds();
   engine->render(camera, render);
-  out.render_seconds = seconds_since(start);
+  out.render_seconds = steady_seconds() - start;
   time_density_control(*engine, out);
   return out;
 }

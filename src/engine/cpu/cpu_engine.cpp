@@ -1,12 +1,12 @@
 #include "engine/cpu/cpu_engine.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <iterator>
 #include <utility>
 
 #include "core/error.h"
+#include "core/steady_seconds.h"
 #include "engine/cpu/adam.h"
 #include "engine/cpu/bf16_packing.h"
 #include "engine/cpu/huge_pages.h"
@@ -29,14 +29,14 @@ class Stopwatch {
  public:
   explicit Stopwatch(std::map<std::string, double>& seconds) : seconds_(seconds) {}
   void lap(const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds_[stage] += std::chrono::duration<double>(now - last_).count();
+    const double now = steady_seconds();
+    seconds_[stage] += now - last_;
     last_ = now;
   }
 
  private:
   std::map<std::string, double>& seconds_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  double last_ = steady_seconds();
 };
 
 /// MapGradients::reset on several threads: ten megabytes at 640 x 480.

@@ -1,11 +1,11 @@
 #include "engine/cpu/tile_passes.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
 #include "core/error.h"
 #include "core/memory_budget.h"
+#include "core/steady_seconds.h"
 #include "engine/cpu/huge_pages.h"
 #include "engine/cpu/tile_products.h"
 
@@ -109,13 +109,11 @@ void load_gradients(const TileWeights& tile, const ProjectedView& view, const Ba
 class SemanticTimer {
  public:
   explicit SemanticTimer(TileScratch& s) : s_(s) {}
-  ~SemanticTimer() {
-    s_.semantic_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  ~SemanticTimer() { s_.semantic_seconds += steady_seconds() - start_; }
 
  private:
   TileScratch& s_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double start_ = steady_seconds();
 };
 
 /// Copies what the forward pass noted of a tile whose list begins at `begin`.
