@@ -173,19 +173,18 @@ std::vector<Json> events_of(const fs::path& run) {
   return events;
 }
 
-/// Running mean of the PSNR of training views, as the chart ends; undefined without steps.
-double training_psnr_of(const std::vector<Json>& events) {
-  const std::vector<ChartSeries> series = series_of(events, {"psnr"});
-  return series.empty() ? kUndefined : smoothed(series[0]).points.back().second;
+/// Running means of one field over the steps; no series without steps.
+std::vector<ChartSeries> trend_of(const std::vector<Json>& events, const char* field) {
+  std::vector<ChartSeries> series = series_of(events, {field});
+  for (ChartSeries& one : series) one = smoothed(std::move(one));
+  return series;
 }
 
-std::string charts(const std::vector<Json>& events) {
+/// `quality`: the trend of the PSNR of training views.
+std::string charts(const std::vector<Json>& events, const std::vector<ChartSeries>& quality) {
   if (events.empty()) return "";
-  std::vector<ChartSeries> total = series_of(events, {"total"});
-  for (ChartSeries& s : total) s = smoothed(std::move(s));
-  std::vector<ChartSeries> quality = series_of(events, {"psnr"});
-  for (ChartSeries& s : quality) s = smoothed(std::move(s));
-  return "<h2>Training</h2>" + svg_line_chart({"total loss (weighted, running mean)", "iteration", "", true}, total) +
+  return "<h2>Training</h2>" +
+         svg_line_chart({"total loss (weighted, running mean)", "iteration", "", true}, trend_of(events, "total")) +
          loss_charts(events) +
          svg_line_chart({"PSNR of training views (dB, running mean)", "iteration", "", false}, quality) +
          svg_line_chart({"Gaussians", "iteration", "", false}, series_of(events, {"gaussians"}));
@@ -262,8 +261,10 @@ std::string html_report(const fs::path& run) {
       escape_html(title) + "</title><style>" + kReportStyle + "</style><h1>" + escape_html(title) + "</h1>";
   html += "<p><code>" + escape_html(record.command) + "</code></p>";
   const std::vector<Json> events = events_of(run);
-  html += notes(record, metrics.priors) + summary(metrics, training_psnr_of(events)) + products(run);
-  html += pictures(run) + geometry_table(metrics.geometry) + per_view_table(metrics.views) + charts(events);
+  const std::vector<ChartSeries> quality = trend_of(events, "psnr");
+  const double training_psnr = quality.empty() ? kUndefined : quality[0].points.back().second;
+  html += notes(record, metrics.priors) + summary(metrics, training_psnr) + products(run);
+  html += pictures(run) + geometry_table(metrics.geometry) + per_view_table(metrics.views) + charts(events, quality);
   html += "<h2>Settings</h2><details><summary>config.toml</summary><pre>" + escape_html(config) + "</pre></details>";
   return html + "</html>\n";
 }
