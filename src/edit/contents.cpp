@@ -12,6 +12,7 @@
 #include "edit/fill/carrying_classes.h"
 #include "edit/fill/plane_rectangle.h"
 #include "edit/object_rows.h"
+#include "edit/relation/class_groups.h"
 #include "edit/row_flags.h"
 #include "edit/taken_objects.h"
 #include "gaussians/gaussian_geometry.h"
@@ -205,7 +206,7 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
     more = false;
     for (const Instance& o : objects) {
       const CarryingClass& kind = classes[static_cast<size_t>(o.label)];
-      if (kind.shell != PlaneKind::kNone || kind.on_floor) continue;
+      if (kind.shell != PlaneKind::kNone || kind.on_floor || never_stands(labels, o.label)) continue;
       const ObjectName name{static_cast<uint16_t>(o.label), static_cast<uint16_t>(o.number)};
       const std::vector<uint32_t>& rows = rows_of.at(name);
       std::map<Column, double> lowest;

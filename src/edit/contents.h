@@ -16,8 +16,9 @@ struct ContentsSettings {
   double share = 0.5;     ///< of the columns of a thing that must have the object right below it
 };
 
-/// Objects that rest on the selected Gaussians, and those that rest on these. Walls, floor, ceiling and rugs rest on
-/// nothing. Empty without an up direction. Objects of which most is selected are left out.
+/// Objects that rest on the selected Gaussians, and those that rest on these. Walls, floor, ceiling, rugs,
+/// doors, windows and what hangs rest on nothing. Empty without an up direction. Objects of which most is selected are
+/// left out.
 std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
                                   const LabelSet& labels, const Vec3d& up, const ContentsSettings& settings = {});
 

@@ -47,6 +47,13 @@ TEST_F(Contents, AVaseStandsOnABoxWhoseTopNoPhotoShows) {
   EXPECT_THAT(labels_on(small_room::kBox), testing::Not(testing::Contains(kLamp)));
 }
 
+TEST_F(Contents, AWindowRestsOnNothing) {
+  for (uint16_t& label : room_.gaussians.labels.label) {
+    if (label == kVase) label = static_cast<uint16_t>(room_.labels.find("windowpane"));
+  }
+  EXPECT_THAT(labels_on(small_room::kBox), testing::IsEmpty());
+}
+
 TEST_F(Contents, NothingStandsOnTheVase) { EXPECT_THAT(labels_on(kVase), testing::IsEmpty()); }
 
 /// A bed's front and head, 60 cm apart, with a blanket between them whose edge hangs down. Nobody saw the mattress.

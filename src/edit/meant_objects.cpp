@@ -7,17 +7,13 @@
 
 #include "core/error.h"
 #include "edit/absent_objects.h"
+#include "edit/candidate_filter.h"
 #include "edit/object_choice.h"
-#include "edit/relation/object_relations.h"
+#include "edit/ordered_objects.h"
+#include "edit/relation/room_places.h"
 
 namespace aligngs {
 namespace {
-
-/// An object, and the one that it is on or near.
-struct Related {
-  size_t object = 0, anchor = 0;
-  double gap = 0;  ///< metres, to the nearest anchor
-};
 
 /// Objects that others are on, near or between.
 struct Anchors {
@@ -27,10 +23,15 @@ struct Anchors {
 
 class MeantObjects {
  public:
-  explicit MeantObjects(const RoomObjects& objects) : objects_(objects), relations_(objects) {}
+  explicit MeantObjects(const RoomObjects& objects) : objects_(objects), relations_(objects), places_(objects) {}
 
   std::vector<SelectionTerm> terms_of(const SelectionTerm& term) const {
     std::vector<SelectionTerm> out;
+    if (is_absent_name(term)) {  // of a list, the things that are there are edited
+      out.emplace_back();
+      out.back().label = term.label;
+      return out;
+    }
     for (const size_t i : objects_of(term)) {
       SelectionTerm found;
       found.label = objects_[i].label;
@@ -43,7 +44,18 @@ class MeantObjects {
  private:
   /// "All furniture" also takes what of its classes is no object.
   static bool is_whole_group(const SelectionTerm& term) {
-    return !term.relation && term.count == 0 && term.choice == ObjectChoice::kNone;
+    return !term.relation && term.count == 0 && term.choice == ObjectChoice::kNone && term.color.empty() &&
+           term.narrow == NarrowPlace::kNone;
+  }
+
+  bool is_absent_name(const SelectionTerm& term) const {
+    SelectionTerm name = term;
+    name.narrow = NarrowPlace::kNone;
+    if (term.narrow == NarrowPlace::kNone || name.asks_objects()) return false;
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      if (objects_[i].label == term.label) return false;
+    }
+    return true;
   }
 
   std::string words(const SelectionTerm& term) const {
@@ -75,6 +87,7 @@ class MeantObjects {
       const Instance& o = objects_[i];
       const bool fits =
           term.group != ClassGroup::kNone ? is_of_group(objects_.labels(), o.label, term.group) : o.label == term.label;
+      if (term.group == ClassGroup::kThings && is_fixture(objects_.labels(), o.label)) continue;
       if (fits && (term.instance == 0 || term.instance == o.number)) found.push_back(i);
     }
     if (found.empty()) {
@@ -88,6 +101,7 @@ class MeantObjects {
 
   std::vector<size_t> objects_of(const SelectionTerm& term) const {
     std::vector<size_t> found = candidates_of(term);
+    if (term.narrow != NarrowPlace::kNone) found = of_narrow_name(objects_, relations_, found, term.narrow);
     std::vector<Related> related;
     if (term.relation) {
       const Anchors anchors = anchors_of(*term.relation);
@@ -96,11 +110,33 @@ class MeantObjects {
       found.clear();
       for (const Related& r : related) found.push_back(r.object);
     }
+    if (!term.color.empty()) {
+      found = of_color(objects_, found, term, words(term));
+      std::erase_if(related, [&](const Related& r) { return std::count(found.begin(), found.end(), r.object) == 0; });
+    }
+    if (term.among > 0 && found.size() != static_cast<size_t>(term.among)) refuse_count(term, found);
+    if (term.relation && is_in_order(term.relation->relation) && !term.relation->negated)
+      return in_order_of(term, std::move(related));
     if (term.choice != ObjectChoice::kNone) return chosen_of(term, found);
     if (term.count == 1 && term.relation && is_distance(term.relation->relation))
-      return {clearly_nearest(term, related)};
+      return {clearly_nearest(objects_, std::move(related), words(term))};
     if (term.count > 0 && found.size() != static_cast<size_t>(term.count)) refuse_count(term, found);
     return found;
+  }
+
+  /// "The two lamps nearest to the bed", "the second chair farthest from the door".
+  std::vector<size_t> in_order_of(const SelectionTerm& term, std::vector<Related> related) const {
+    if (term.count == 0) {
+      throw_bad_input({}, "--select", "\"" + words(term) + "\" does not tell how many are meant",
+                      "say \"the two\" before it, or name one of them");
+    }
+    const auto count = static_cast<size_t>(term.count), rank = static_cast<size_t>(term.rank);
+    if (std::max(count, rank) > related.size()) {
+      std::vector<size_t> found;
+      for (const Related& r : related) found.push_back(r.object);
+      refuse_count(term, found);
+    }
+    return first_in_order(objects_, std::move(related), term.relation->relation, count, rank, words(term));
   }
 
   std::vector<size_t> chosen_of(const SelectionTerm& term, const std::vector<size_t>& found) const {
@@ -108,11 +144,6 @@ class MeantObjects {
     if (count <= 1) return {chosen_object(objects_, found, term.choice, words(term), static_cast<size_t>(term.rank))};
     if (count > found.size()) refuse_count(term, found);
     return count == found.size() ? found : chosen_objects(objects_, found, term.choice, count, words(term));
-  }
-
-  static bool is_distance(Relation relation) {
-    return relation != Relation::kOn && relation != Relation::kIn && relation != Relation::kUnder &&
-           relation != Relation::kAbove && relation != Relation::kBetween;
   }
 
   std::vector<size_t> all_of(const std::vector<SelectionTerm>& terms) const {
@@ -125,7 +156,13 @@ class MeantObjects {
   }
 
   Anchors anchors_of(const RelatedTo& place) const {
+    if (is_of_room(place.relation)) return {};
     Anchors anchors{all_of(place.anchors), {}};
+    if (place.relation == Relation::kFarthest && !place.any_anchor && anchors.objects.size() > 1 &&
+        !hang_together(objects_, {anchors.objects.begin(), anchors.objects.end()}, anchors.objects)) {
+      throw_bad_input({}, "--select", "\"farthest from\" may mean any of these: " + objects_.names(anchors.objects),
+                      did_you_mean(objects_, anchors.objects) + "Name one by its number");
+    }
     if (place.relation != Relation::kBetween) return anchors;
     anchors.other_side = place.other_side.empty() ? anchors.objects : all_of(place.other_side);
     if (anchors.objects == anchors.other_side && anchors.objects.size() == 1)
@@ -136,6 +173,8 @@ class MeantObjects {
 
   /// The gap where an object has the relation to an anchor.
   std::optional<double> gap_where(size_t object, Relation relation, size_t anchor, const Anchors& anchors) const {
+    if (relation == Relation::kInCorner) return places_.gap_to_corner(object);
+    if (relation == Relation::kRoomMiddle) return places_.gap_to_middle(object);
     if (relation != Relation::kBetween) return relations_.gap_where(object, relation, anchor);
     std::optional<double> least;
     for (const size_t other : anchors.other_side) {
@@ -151,12 +190,17 @@ class MeantObjects {
     std::vector<Related> found;
     for (const size_t i : candidates) {
       std::vector<Related> fits;
-      for (const size_t anchor : anchors.objects) {
+      const bool of_room = is_of_room(term.relation->relation);
+      for (const size_t anchor : of_room ? std::vector<size_t>{i} : anchors.objects) {
         if (const auto gap = gap_where(i, term.relation->relation, anchor, anchors)) fits.push_back({i, anchor, *gap});
       }
       const auto nearest =
           std::min_element(fits.begin(), fits.end(), [](const Related& a, const Related& b) { return a.gap < b.gap; });
-      if (nearest != fits.end()) found.push_back(*nearest);
+      if (term.relation->negated) {
+        if (nearest == fits.end()) found.push_back({i, i, 0});
+      } else if (nearest != fits.end()) {
+        found.push_back(*nearest);
+      }
     }
     if (found.empty()) refuse_all(term, candidates, anchors);
     return found;
@@ -171,7 +215,7 @@ class MeantObjects {
       const auto fits = [&](size_t anchor) {
         return gap_where(i, term.relation->relation, anchor, anchors).has_value();
       };
-      if (is_thing && term.relation->relation != Relation::kNearest &&
+      if (is_thing && !term.relation->negated && !is_in_order(term.relation->relation) &&
           std::any_of(anchors.objects.begin(), anchors.objects.end(), fits))
         others.push_back(i);
     }
@@ -197,27 +241,15 @@ class MeantObjects {
     return nearest;
   }
 
-  /// Whether `used` may be pieces of one thing: each is close to another one, perhaps over others of `anchors`.
-  bool hang_together(const std::set<size_t>& used, const std::vector<size_t>& anchors) const {
-    constexpr double kBetweenPieces = 0.3;  // metres: a pillow or a blanket may hide what joins them
-    std::vector<size_t> reached = {*used.begin()};
-    for (size_t k = 0; k < reached.size(); ++k) {
-      for (const size_t i : anchors) {
-        const bool is_new = std::find(reached.begin(), reached.end(), i) == reached.end();
-        if (is_new && objects_.gap(reached[k], i) <= kBetweenPieces) reached.push_back(i);
-      }
-    }
-    return std::all_of(used.begin(), used.end(),
-                       [&](size_t i) { return std::find(reached.begin(), reached.end(), i) != reached.end(); });
-  }
-
   /// "The pillows on the bed" are on one bed, which may be in pieces.
   void require_one_anchor(const SelectionTerm& term, const std::vector<Related>& related,
                           const std::vector<size_t>& anchors) const {
     std::set<size_t> used;
     for (const Related& r : related) used.insert(r.anchor);
     const bool is_shell = !is_of_group(objects_.labels(), objects_[*used.begin()].label, ClassGroup::kThings);
-    if (used.size() == 1 || term.relation->any_anchor || is_shell || hang_together(used, anchors)) return;
+    const bool any = term.relation->any_anchor || term.relation->negated || is_of_room(term.relation->relation) ||
+                     is_in_order(term.relation->relation);
+    if (used.size() == 1 || any || is_shell || hang_together(objects_, used, anchors)) return;
     std::string where;
     for (const Related& r : related)
       where += (where.empty() ? "" : ", ") + objects_.name(r.object) + " by " + objects_.name(r.anchor);
@@ -227,33 +259,17 @@ class MeantObjects {
         "say \"" + relation + " " + objects_.name(*used.begin()) + "\", or \"" + relation + " any " + anchor + "\"");
   }
 
-  /// The nearest one, where the next one is more than twice as far and a step farther.
-  size_t clearly_nearest(const SelectionTerm& term, std::vector<Related> related) const {
-    constexpr double kStep = 0.2;  // metres
-    std::sort(related.begin(), related.end(), [](const Related& a, const Related& b) { return a.gap < b.gap; });
-    const double limit = std::max(2 * related[0].gap, related[0].gap + kStep);
-    const bool is_clear = term.relation->relation == Relation::kNearest
-                              ? related.size() == 1 || related[1].gap > related[0].gap + 0.1 * kStep
-                              : related.size() == 1 || related[1].gap > limit;
-    if (is_clear) return related[0].object;
-    std::string gaps;
-    for (const Related& r : related)
-      gaps += fmt::format("{}{} ({:.2f} m from {})", gaps.empty() ? "" : ", ", objects_.name(r.object), r.gap,
-                          objects_.name(r.anchor));
-    throw_bad_input({}, "--select", "\"" + words(term) + "\" fits more than one object: " + gaps,
-                    "name one by its number, or say \"all\" before it");
-  }
-
   [[noreturn]] void refuse_count(const SelectionTerm& term, const std::vector<size_t>& found) const {
     throw_bad_input({}, "--select",
                     fmt::format("\"{}\" means {} of them, and {} fit{}: {}", words(term),
                                 term.count == 1 ? "one" : std::to_string(term.count), found.size(),
                                 found.size() == 1 ? "s" : "", objects_.names(found)),
-                    "name them by their numbers, or say \"all\" before it");
+                    did_you_mean(objects_, found) + "Name them by their numbers, or say \"all\" before it");
   }
 
   const RoomObjects& objects_;
   ObjectRelations relations_;
+  RoomPlaces places_;
 };
 
 void find_meant(std::vector<SelectionTerm>& terms, const MeantObjects& meant) {

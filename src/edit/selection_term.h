@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "edit/relation/class_groups.h"
+#include "edit/relation/narrow_names.h"
 #include "edit/relation/relation_words.h"
 #include "edit/selection_words.h"
 
@@ -26,10 +27,14 @@ struct SelectionTerm {
   ClassGroup group = ClassGroup::kNone;  ///< "all furniture"
   int count = 0;  ///< objects that are meant: 2 of "both pillows" and "the two largest"; 0: any number
   std::shared_ptr<const RelatedTo> relation{};  ///< "on the bed"; null: anywhere
+  std::string color{};                          ///< "red" of "the red chair" (relation/color_words.h)
+  int among = 0;                            ///< "the largest of the two lamps": there must be so many; 0: any number
+  NarrowPlace narrow = NarrowPlace::kNone;  ///< of "floor lamp"
 
   /// Whether the objects of the room tell what is meant.
   bool asks_objects() const {
-    return choice != ObjectChoice::kNone || group != ClassGroup::kNone || count > 0 || relation;
+    return choice != ObjectChoice::kNone || group != ClassGroup::kNone || count > 0 || relation || !color.empty() ||
+           narrow != NarrowPlace::kNone;
   }
 };
 
@@ -40,6 +45,7 @@ struct RelatedTo {
   /// "the window" of "between the bed and the window"; empty of "between the beds"
   std::vector<SelectionTerm> other_side{};
   bool any_anchor = false;  ///< "on the beds": not all of them are on one bed
+  bool negated = false;     ///< "not on the bed"
 };
 
 }  // namespace aligngs

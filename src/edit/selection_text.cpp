@@ -9,6 +9,8 @@
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "edit/item_adjectives.h"
+#include "edit/plain_words.h"
 #include "edit/selection_item.h"
 
 namespace aligngs {
@@ -38,9 +40,37 @@ std::string_view without_quotes(std::string_view item) {
   return quoted ? trimmed(item.substr(1, item.size() - 2)) : item;
 }
 
+/// "The armchair and the cushion on it" with the name in place of "it".
+std::string with_previous_name(std::string whole, const std::string& previous, const Vocabulary& vocabulary) {
+  for (const std::string_view word : {"it", "them"}) {
+    const size_t at = find_word(whole, word, 1);
+    if (at == std::string::npos || at + word.size() != whole.size() || previous.empty()) continue;
+    if (related_item(previous, vocabulary))
+      throw_usage("\"" + std::string(word) + "\" may mean two things in \"" + previous + "\"",
+                  "name the one that is meant");
+    whole.replace(at, word.size(), previous);
+  }
+  return whole;
+}
+
+/// One item in the words of the grammar; a conjunction after a comma stays before it.
+std::string spelled_plainly(std::string_view item, const Vocabulary& vocabulary) {
+  item = vocabulary.find_selection(item) ? trimmed(item) : without_quotes(item);
+  if (vocabulary.find(item) || vocabulary.find_selection(item)) return std::string(item);
+  const std::string named = with_each_name(item, vocabulary);
+  std::string out;
+  for (std::string_view rest = named;;) {
+    const auto [at, length] = find_conjunction(rest, 0);
+    out += in_plain_words(rest.substr(0, at), vocabulary);
+    if (at == std::string_view::npos) return out;
+    out += (out.empty() ? "" : " ") + std::string(rest.substr(at, length)) + " ";
+    rest.remove_prefix(at + length);
+  }
+}
+
 /// One item between commas; "a and b" is two unless a class is called so. "And" may also follow a comma.
 void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
-                bool* everything) {
+                bool* everything, std::string& previous) {
   std::optional<RelatedItem> before;  // of an item that tells a place, and has a conjunction after it
   while (true) {
     item = vocabulary.find_selection(item) ? trimmed(item) : without_quotes(item);
@@ -58,11 +88,13 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
     if (before && find_relation(first, true)) whole = std::string(before->target) + " " + whole;  // "and on the sofa"
     const auto related = related_item(whole == first ? first : std::string_view(whole), vocabulary);
     if (before && !related) refuse_two_readings(*before, first);
+    whole = with_previous_name(whole, previous, vocabulary);
     if (everything && is_everything(first) && !vocabulary.find(first)) {
       *everything = true;
     } else {
       parse_item_terms(whole, vocabulary, terms);
     }
+    previous = whole;
     if (has_two_sides) {
       before.reset();  // "and" after both sides begins another item
     } else if (related && whole == first) {
@@ -75,9 +107,11 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
 
 void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
                 bool* everything) {
+  std::string previous;  // what "it" means
   while (true) {
     const size_t comma = text.find_first_of(",;");
-    parse_item(text.substr(0, comma), vocabulary, terms, everything);
+    const std::string item = spelled_plainly(text.substr(0, comma), vocabulary);
+    parse_item(item, vocabulary, terms, everything, previous);
     if (comma == std::string_view::npos || trimmed(text.substr(comma + 1)).empty()) return;  // "bed, lamp,"
     text.remove_prefix(comma + 1);
   }
@@ -101,14 +135,17 @@ std::string choice_text(const SelectionTerm& term) {
 
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
   if (!term.named.empty()) return term.named;
-  const std::string name = term.label < 0 ? std::string(group_name(term.group)) : labels.classes.at(term.label).name;
+  const std::string name = (term.color.empty() ? "" : term.color + " ") +
+                           (term.label < 0 ? std::string(group_name(term.group)) : labels.classes.at(term.label).name);
   std::string text = term.choice != ObjectChoice::kNone ? choice_text(term) + " " + name
                      : term.instance                    ? name + "#" + std::to_string(term.instance)
                      : term.count > 1                   ? std::to_string(term.count) + " x " + name
                      : term.relation && term.count == 0 ? "all " + name
                                                         : name;
   if (!term.relation) return text;
-  text += " " + std::string(relation_word(term.relation->relation)) + " ";
+  text += (term.relation->negated ? " not " : " ") + std::string(relation_word(term.relation->relation));
+  if (is_of_room(term.relation->relation)) return text;
+  text += " ";
   for (const SelectionTerm& anchor : term.relation->anchors)
     text += (&anchor == term.relation->anchors.data() ? "" : ", ") + term_text(anchor, labels);
   for (const SelectionTerm& other : term.relation->other_side)
@@ -138,7 +175,8 @@ std::string terms_text(const std::vector<SelectionTerm>& terms, const LabelSet& 
 
 void sort_terms(std::vector<SelectionTerm>& terms) {
   const auto key = [](const SelectionTerm& t) {
-    return std::tie(t.label, t.instance, t.choice, t.rank, t.named, t.group, t.count, t.relation);
+    return std::tie(t.label, t.instance, t.choice, t.rank, t.named, t.group, t.count, t.relation, t.color, t.among,
+                    t.narrow);
   };
   std::sort(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
   terms.erase(std::unique(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/letter_case.h"
+#include "edit/relation/relation_words.h"
 #include "edit/vocabulary.h"
 
 namespace aligngs {
@@ -12,12 +13,32 @@ namespace {
 
 constexpr int kLargestInstance = 65535;  // ushort in scene.labels.ply
 
-constexpr std::string_view kQuantifiers[] = {"all of the",  "each of the", "every one of the",
-                                             "both of the", "all the",     "both the",
-                                             "all",         "every",       "each",
-                                             "both",        "any",         "my",
-                                             "our",         "your",        "this",
-                                             "that",        "these",       "those"};
+constexpr std::string_view kQuantifiers[] = {"all of the",
+                                             "all of my",
+                                             "all of these",
+                                             "all of those",
+                                             "each of the",
+                                             "each and every",
+                                             "every one of the",
+                                             "every single",
+                                             "both of the",
+                                             "all the",
+                                             "all my",
+                                             "all these",
+                                             "all those",
+                                             "both the",
+                                             "all",
+                                             "every",
+                                             "each",
+                                             "both",
+                                             "any",
+                                             "my",
+                                             "our",
+                                             "your",
+                                             "this",
+                                             "that",
+                                             "these",
+                                             "those"};
 
 constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
     {"largest", ObjectChoice::kLargest},     {"biggest", ObjectChoice::kLargest},
@@ -28,7 +49,13 @@ constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
     {"leftmost", ObjectChoice::kLeft},       {"left most", ObjectChoice::kLeft},
     {"right", ObjectChoice::kRight},         {"rightmost", ObjectChoice::kRight},
     {"right most", ObjectChoice::kRight},    {"highest", ObjectChoice::kHighest},
-    {"topmost", ObjectChoice::kHighest},     {"upper", ObjectChoice::kHighest},
+    {"topmost", ObjectChoice::kHighest},     {"top", ObjectChoice::kHighest},
+    {"bottom", ObjectChoice::kLowest},       {"bottommost", ObjectChoice::kLowest},
+    {"far left", ObjectChoice::kLeft},       {"far right", ObjectChoice::kRight},
+    {"furthest left", ObjectChoice::kLeft},  {"furthest right", ObjectChoice::kRight},
+    {"huge", ObjectChoice::kLargest},        {"little", ObjectChoice::kSmallest},
+    {"tiny", ObjectChoice::kSmallest},       {"highest up", ObjectChoice::kHighest},
+    {"long", ObjectChoice::kWidest},         {"upper", ObjectChoice::kHighest},
     {"uppermost", ObjectChoice::kHighest},   {"lowest", ObjectChoice::kLowest},
     {"lower", ObjectChoice::kLowest},        {"tallest", ObjectChoice::kTallest},
     {"taller", ObjectChoice::kTallest},      {"tall", ObjectChoice::kTallest},
@@ -37,24 +64,39 @@ constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
     {"wider", ObjectChoice::kWidest},        {"wide", ObjectChoice::kWidest},
     {"longest", ObjectChoice::kWidest},      {"longer", ObjectChoice::kWidest},
     {"narrowest", ObjectChoice::kNarrowest}, {"narrower", ObjectChoice::kNarrowest},
-    {"narrow", ObjectChoice::kNarrowest}};
+    {"narrow", ObjectChoice::kNarrowest},    {"middle", ObjectChoice::kMiddle},
+    {"middlemost", ObjectChoice::kMiddle},   {"central", ObjectChoice::kMiddle},
+    {"centre", ObjectChoice::kMiddle},       {"center", ObjectChoice::kMiddle},
+    {"darkest", ObjectChoice::kDarkest},     {"darker", ObjectChoice::kDarkest},
+    {"dark", ObjectChoice::kDarkest},        {"lightest", ObjectChoice::kLightest},
+    {"lighter", ObjectChoice::kLightest},    {"brightest", ObjectChoice::kLightest},
+    {"brighter", ObjectChoice::kLightest},   {"light", ObjectChoice::kLightest},
+    {"bright", ObjectChoice::kLightest},     {"pale", ObjectChoice::kLightest}};
 
 constexpr std::pair<std::string_view, ObjectChoice> kPlaces[] = {
-    {" on the left", ObjectChoice::kLeft},      {" to the left", ObjectChoice::kLeft},
-    {" on the left side", ObjectChoice::kLeft}, {" on the right", ObjectChoice::kRight},
-    {" to the right", ObjectChoice::kRight},    {" on the right side", ObjectChoice::kRight}};
+    {" on the left", ObjectChoice::kLeft},          {" to the left", ObjectChoice::kLeft},
+    {" on the left side", ObjectChoice::kLeft},     {" on the right", ObjectChoice::kRight},
+    {" to the right", ObjectChoice::kRight},        {" on the right side", ObjectChoice::kRight},
+    {" furthest to the left", ObjectChoice::kLeft}, {" furthest to the right", ObjectChoice::kRight},
+    {" at the left", ObjectChoice::kLeft},          {" at the right", ObjectChoice::kRight},
+    {" in the middle", ObjectChoice::kMiddle},      {" in the centre", ObjectChoice::kMiddle},
+    {" in the center", ObjectChoice::kMiddle},      {" at the top", ObjectChoice::kHighest},
+    {" at the bottom", ObjectChoice::kLowest}};
 
 constexpr std::string_view kBoth[] = {"both of the", "both the", "both"};
 constexpr std::string_view kBeforeCounts[] = {"all of the", "all the", "all", "the", "these", "those", "my"};
 /// Words between a thing and its place, the last one first.
-constexpr std::string_view kFillers[] = {"standing", "lying",  "sitting", "hanging", "placed",   "located", "is",
-                                         "are",      "stands", "stand",   "lies",    "lie",      "hangs",   "hang",
-                                         "sits",     "sit",    "that",    "which",   "directly", "just",    "right"};
+constexpr std::string_view kFillers[] = {"standing", "lying",   "sitting", "hanging", "placed",   "located", "is",
+                                         "are",      "stands",  "stand",   "lies",    "lie",      "hangs",   "hang",
+                                         "sits",     "sit",     "that",    "which",   "directly", "just",    "right",
+                                         "hung",     "mounted", "leaning", "resting", "sat"};
 
 /// Longer ones before those that they begin with.
 constexpr std::string_view kConjunctions[] = {"as well as", "and", "or", "&", "+", "plus"};
-constexpr std::string_view kExceptions[] = {"except for", "except",     "but",      "without",    "excluding",
-                                            "apart from", "aside from", "save for", "other than", "minus"};
+constexpr std::string_view kExceptions[] = {"except for",    "except",       "but",        "without",
+                                            "excluding",     "apart from",   "aside from", "save for",
+                                            "other than",    "minus",        "save",       "with the exception of",
+                                            "not including", "not counting", "leaving out"};
 
 constexpr std::string_view kNumbers[] = {"one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"};
 constexpr std::string_view kOrdinals[] = {"first", "second",  "third",  "fourth", "fifth",
@@ -62,14 +104,6 @@ constexpr std::string_view kOrdinals[] = {"first", "second",  "third",  "fourth"
 constexpr std::string_view kOrdinalEnds[] = {"st", "nd", "rd", "th"};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-/// Takes the words of `phrase` off the begin of `item` where more follows.
-bool take_phrase(std::string_view& item, std::string_view phrase) {
-  if (item.size() <= phrase.size() || !is_blank(item[phrase.size()])) return false;
-  if (lower_case(item.substr(0, phrase.size())) != phrase) return false;
-  item = trimmed(item.substr(phrase.size()));
-  return !item.empty();
-}
 
 int number_of(std::string_view text) {
   text = trimmed(text);
@@ -96,6 +130,17 @@ std::pair<size_t, size_t> find_first(std::string_view text, const Words& words, 
   return found;
 }
 
+/// "All lamps, not lamp#2" and "all lamps and not lamp#2". "Not on the bed" is a place.
+std::pair<size_t, size_t> find_not(std::string_view text) {
+  for (const std::string_view word : {"and not", "not"}) {
+    const size_t at = find_word(text, word, 1);
+    if (at == std::string_view::npos || find_relation(trimmed(text.substr(at + word.size())), true)) continue;
+    const std::string_view before = trimmed(text.substr(0, at));
+    if (word != "not" || (!before.empty() && before.back() == ',')) return {at, word.size()};
+  }
+  return {std::string_view::npos, 0};
+}
+
 }  // namespace
 
 std::string choice_word(ObjectChoice choice) {
@@ -110,6 +155,13 @@ std::string_view trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(blanks);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
+bool take_phrase(std::string_view& item, std::string_view phrase) {
+  if (item.size() <= phrase.size() || !is_blank(item[phrase.size()])) return false;
+  if (lower_case(item.substr(0, phrase.size())) != phrase) return false;
+  item = trimmed(item.substr(phrase.size()));
+  return !item.empty();
 }
 
 size_t find_word(std::string_view text, std::string_view word, size_t from) {
@@ -130,6 +182,7 @@ std::pair<size_t, size_t> find_conjunction(std::string_view text, size_t from) {
 
 std::pair<size_t, size_t> find_exception(std::string_view text) {
   auto [at, length] = find_first(text, kExceptions, 0);
+  if (at == std::string_view::npos) std::tie(at, length) = find_not(text);
   if (at == std::string_view::npos) return {at, 0};
   constexpr std::string_view kNot = "not";  // "every lamp but not lamp#2"
   const size_t next = text.find_first_not_of(" \t\r\n", at + length);
@@ -143,19 +196,6 @@ std::string_view without_a(std::string_view item) {
     if (take_phrase(item, article)) break;
   }
   return item;
-}
-
-std::string with_name(std::string_view items, const std::string& name) {
-  std::string text(trimmed(items));
-  constexpr std::string_view kOnes = "the ones", kOne = "one";
-  if (const size_t at = find_word(text, kOnes); at != std::string::npos) text.replace(at, kOnes.size(), "all " + name);
-  // "One lamp" at the begin is a count.
-  for (size_t at = find_word(text, kOne, 1); at != std::string::npos; at = find_word(text, kOne, at + name.size()))
-    text.replace(at, kOne.size(), name);
-  const std::string longer = text + " " + name;
-  std::string_view rest = text, object = longer;
-  const bool is_choice_alone = take_choice(rest) == ObjectChoice::kNone && take_choice(object) != ObjectChoice::kNone;
-  return is_choice_alone && object == name ? longer : text;
 }
 
 std::string_view without_quantifier(std::string_view item) {
@@ -178,13 +218,15 @@ bool begins_with_quantifier(std::string_view item) {
 
 ObjectChoice take_place(std::string_view& item) {
   const std::string low = lower_case(trimmed(item));
-  for (const auto& [ending, choice] : kPlaces) {
-    if (low.size() <= ending.size() || !low.ends_with(ending)) continue;
-    item = trimmed(item);
-    item = trimmed(item.substr(0, item.size() - ending.size()));
-    return choice;
+  const std::pair<std::string_view, ObjectChoice>* longest = nullptr;
+  for (const auto& place : kPlaces) {
+    if (low.size() <= place.first.size() || !low.ends_with(place.first)) continue;
+    if (!longest || place.first.size() > longest->first.size()) longest = &place;
   }
-  return ObjectChoice::kNone;
+  if (!longest) return ObjectChoice::kNone;
+  item = trimmed(item);
+  item = trimmed(item.substr(0, item.size() - longest->first.size()));
+  return longest->second;
 }
 
 int take_count(std::string_view& item) {
@@ -217,14 +259,17 @@ std::string_view without_filler(std::string_view item) {
 }
 
 ObjectChoice take_choice(std::string_view& item) {
-  std::string_view rest = trimmed(item);
-  take_phrase(rest, "the");
-  for (const auto& [word, choice] : kChoices) {
-    if (!take_phrase(rest, word)) continue;
-    item = rest;
-    return choice;
+  std::string_view words = trimmed(item), shortest = words;
+  take_phrase(words, "the");
+  ObjectChoice found = ObjectChoice::kNone;
+  for (const auto& [word, choice] : kChoices) {  // the longest one: "far left"
+    std::string_view rest = words;
+    if (!take_phrase(rest, word) || rest.size() >= shortest.size()) continue;
+    shortest = rest;
+    found = choice;
   }
-  return ObjectChoice::kNone;
+  if (found != ObjectChoice::kNone) item = shortest;
+  return found;
 }
 
 int ordinal_number(std::string_view given) {

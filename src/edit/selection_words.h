@@ -21,13 +21,19 @@ enum class ObjectChoice {
   kTallest,
   kShortest,
   kWidest,
-  kNarrowest
+  kNarrowest,
+  kMiddle,
+  kDarkest,
+  kLightest
 };
 
 std::string choice_word(ObjectChoice choice);  ///< "largest", "left", ...; empty for kNone
 
 /// `text` without blanks at its ends.
 std::string_view trimmed(std::string_view text);
+
+/// Takes the words of `phrase` (lower case) off the begin of `item` where more follows.
+bool take_phrase(std::string_view& item, std::string_view phrase);
 
 /// Place of `word` by itself in `text` (any case), from `from` on; npos when nowhere. Blanks and commas part words.
 size_t find_word(std::string_view text, std::string_view word, size_t from = 0);
@@ -42,9 +48,6 @@ std::pair<size_t, size_t> find_exception(std::string_view text);
 /// An item without "a", "an" or "one" before it.
 std::string_view without_a(std::string_view item);
 
-/// "The left one", "the ones on the rug" and "the largest" with a name in place of "one", or after the choice.
-std::string with_name(std::string_view items, const std::string& name);
-
 /// `item` without a quantifier at its begin: "all the beds", "my bed" and "every bed" are "beds" and "bed". A quantifier
 /// alone stays.
 std::string_view without_quantifier(std::string_view item);
@@ -55,7 +58,7 @@ bool begins_with_quantifier(std::string_view item);
 /// Takes "the largest", "leftmost", ... off the begin of an item.
 ObjectChoice take_choice(std::string_view& item);
 
-/// Takes "on the left" or "to the right" off the end of an item.
+/// Takes "on the left", "to the right" or "in the middle" off the end of an item.
 ObjectChoice take_place(std::string_view& item);
 
 /// Takes "both", "the two", "all three" off the begin of an item: how many are meant; 0 where it begins otherwise.

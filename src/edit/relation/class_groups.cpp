@@ -41,6 +41,9 @@ constexpr std::string_view kMovable[] = {"bed",          "cradle",  "sofa",     
                                          "shelf",        "counter"};
 constexpr std::string_view kSeats[] = {"sofa",  "chair",   "armchair", "swivel chair",
                                        "stool", "ottoman", "bench",    "seat"};
+constexpr std::string_view kFixtures[] = {"door",   "screen door", "windowpane", "stairs",  "stairway", "step",
+                                          "column", "escalator",   "bannister",  "railing", "fireplace"};
+constexpr std::string_view kHung[] = {"curtain", "blind", "radiator", "awning", "hood"};
 constexpr std::string_view kShell[] = {"wall", "floor", "ceiling"};
 
 template <class Names>
@@ -61,6 +64,14 @@ std::optional<GroupWord> find_group(std::string_view words) {
 std::string_view group_name(ClassGroup group) {
   if (group == ClassGroup::kFurniture) return "furniture";
   return group == ClassGroup::kSeating ? "seating" : "things";
+}
+
+bool is_fixture(const LabelSet& labels, int label) {
+  return holds_name(kFixtures, labels.classes.at(static_cast<size_t>(label)).name);
+}
+
+bool never_stands(const LabelSet& labels, int label) {
+  return is_fixture(labels, label) || holds_name(kHung, labels.classes.at(static_cast<size_t>(label)).name);
 }
 
 bool is_of_group(const LabelSet& labels, int label, ClassGroup group) {

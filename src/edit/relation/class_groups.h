@@ -24,6 +24,12 @@ std::optional<GroupWord> find_group(std::string_view words);
 /// "furniture", "seating" or "things".
 std::string_view group_name(ClassGroup group);
 
+/// Whether a class is a part of the house: a door, a window, stairs. "Everything on the floor" is without these.
+bool is_fixture(const LabelSet& labels, int label);
+
+/// Whether things of a class hang or are fixed, even where they reach down to the floor: fixtures, curtains, radiators.
+bool never_stands(const LabelSet& labels, int label);
+
 /// Whether a class is of the group. Things are all classes but walls, floor and ceiling.
 bool is_of_group(const LabelSet& labels, int label, ClassGroup group);
 

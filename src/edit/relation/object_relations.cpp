@@ -5,6 +5,7 @@
 
 #include "core/angles.h"
 #include "edit/contents.h"
+#include "edit/relation/class_groups.h"
 
 namespace aligngs {
 namespace {
@@ -51,7 +52,8 @@ bool ObjectRelations::is_on_shell(size_t a, size_t b) const {
   for (size_t i = 0; i < objects_.size(); ++i) {
     if (shell(i) == PlaneKind::kFloor) floor = std::min(floor, objects_.box(i).middle_height());
   }
-  const bool stands = floor < 1e300 && objects_.box(a).low - floor < limits_.touch * objects_.metre();
+  const bool stands = floor < 1e300 && !never_stands(objects_.labels(), objects_[a].label) &&
+                      objects_.box(a).low - floor < limits_.touch * objects_.metre();
   return shell(b) == PlaneKind::kFloor ? stands : !stands && objects_.gap(a, b) < limits_.touch;
 }
 
@@ -86,6 +88,15 @@ bool ObjectRelations::is_beside(size_t a, Relation relation, size_t b) const {
   double end = -1e300;  // of b in that direction
   for (const Vec3f& p : objects_.places(b)) end = std::max(end, dot(direction, p.cast<double>()));
   return dot(direction, objects_[a].centre.cast<double>()) > end && objects_.gap(a, b) < limits_.beside;
+}
+
+bool ObjectRelations::is_on_side(size_t a, Relation side, size_t b) const {
+  if (is_beside(a, side == Relation::kLeftSide ? Relation::kLeftOf : Relation::kRightOf, b)) return true;
+  if (!is_on(a, b)) return false;
+  constexpr double kFromMiddle = 0.03;  // metres
+  const Vec3d middle = objects_[b].centre.cast<double>(), right = right_of_viewer(objects_.viewpoint(), middle);
+  const double at = dot(right, objects_[a].centre.cast<double>() - middle) / objects_.metre();
+  return side == Relation::kLeftSide ? at < -kFromMiddle : at > kFromMiddle;
 }
 
 std::vector<Vec2d> ObjectRelations::directions(size_t a, size_t b) const {
@@ -141,7 +152,15 @@ std::optional<double> ObjectRelations::gap_where(size_t a, Relation relation, si
     case Relation::kNear:
       return within(limits_.near);
     case Relation::kNearest:
+    case Relation::kFarthest:
       return objects_.gap(a, b);
+    case Relation::kLeftSide:
+    case Relation::kRightSide:
+      return where(is_on_side(a, relation, b));
+    case Relation::kBothSides:
+      return where(is_beside(a, Relation::kLeftOf, b) || is_beside(a, Relation::kRightOf, b));
+    case Relation::kHolding:
+      return where(is_on(b, a) || is_in(b, a));
     default:
       return where(is_beside(a, relation, b));
   }

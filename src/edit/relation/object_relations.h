@@ -37,6 +37,8 @@ class ObjectRelations {
   /// that are more than a right angle and a half of one apart. Walls are in each direction in which they are.
   std::optional<double> gap_between(size_t a, size_t one, size_t other) const;
 
+  bool is_carried(size_t a) const;  ///< by furniture
+
  private:
   /// Unit directions on the floor from the middle of `a` to `b`: to its nearest place, or to all of a wall's near places.
   std::vector<Vec2d> directions(size_t a, size_t b) const;
@@ -44,8 +46,8 @@ class ObjectRelations {
   bool is_on_shell(size_t a, size_t b) const;
   bool is_in(size_t a, size_t b) const;
   bool is_above(size_t a, size_t b) const;
+  bool is_on_side(size_t a, Relation side, size_t b) const;
   bool is_beside(size_t a, Relation relation, size_t b) const;
-  bool is_carried(size_t a) const;  ///< by furniture
   const std::set<size_t>& contents(const std::vector<size_t>& carriers) const;
 
   const RoomObjects& objects_;
