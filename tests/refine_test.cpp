@@ -102,6 +102,17 @@ TEST_F(RefineCommand, DepthOfAnotherScaleComesOutInTheUnitsOfTheScene) {
   EXPECT_NEAR(median_depth(root() / "refined", view) / before, 1, 0.1);
 }
 
+// Without labels a network's depth is nearer to the surface than the planes are (docs/decisions/0026).
+TEST_F(RefineCommand, DepthOfANetworkIsLaidOnPlanesOfEverythingOnlyWhereThereAreLabels) {
+  const ProcessResult labelled = refine("--json");
+  ASSERT_EQ(labelled.status, 0) << labelled.err;
+  EXPECT_GT(parse_json(labelled.out)["bare_planes"].get<int>(), 0);
+  fs::remove_all(root() / "scene" / "segmentation_logits");
+  const ProcessResult bare = refine("--json --overwrite");
+  ASSERT_EQ(bare.status, 0) << bare.err;
+  EXPECT_EQ(parse_json(bare.out)["bare_planes"].get<int>(), 0);
+}
+
 TEST_F(RefineCommand, WithoutPriorDepthItIsMeasured) {
   fs::remove_all(root() / "scene" / "pred_depths");
   const ProcessResult result = refine("--json");

@@ -34,7 +34,7 @@ std::pair<Vec3d, Vec3d> ends_of(const std::vector<Vec3d>& places) {
 }  // namespace
 
 size_t middle_object(const RoomObjects& objects, const std::vector<size_t>& candidates, const std::string& what) {
-  constexpr double kAside = 0.3;  // of the row's length: farther from its line, an object is in no row
+  constexpr double kAside = 0.3;     // of the row's length: farther from its line, an object is in no row
   constexpr double kRowStep = 0.05;  // metres between neighbours in the row
   if (candidates.size() == 1) return candidates[0];
   if (candidates.size() % 2 == 0) refuse(objects, candidates, what, "the row has no middle one");

@@ -73,8 +73,10 @@ void say_owner_last(std::string& text, const Vocabulary& vocabulary) {
   }
 }
 
-constexpr WordPair kOrders[] = {{"nearest", "nearest to"},         {"closest", "nearest to"},
-                                {"farthest", "farthest from"},     {"furthest", "farthest from"},
+constexpr WordPair kOrders[] = {{"nearest", "nearest to"},
+                                {"closest", "nearest to"},
+                                {"farthest", "farthest from"},
+                                {"furthest", "farthest from"},
                                 {"most distant", "farthest from"}};
 
 /// "The nearest lamp to the window" as "the lamp nearest to the window".
@@ -115,8 +117,8 @@ void say_corner_last(std::string& text, const Vocabulary& vocabulary) {
 void say_holding(std::string& text, const Vocabulary& vocabulary) {
   const size_t with = find_word(text, "with", 1);
   const std::string low = lower_case(text);
-  constexpr std::string_view kEndings[] = {" on top of it", " on top of them", " on top", " on it", " on them",
-                                           " in it",        " in them"};
+  constexpr std::string_view kEndings[] = {" on top of it", " on top of them", " on top", " on it",
+                                           " on them",      " in it",          " in them"};
   const auto ending =
       std::find_if(std::begin(kEndings), std::end(kEndings), [&](std::string_view e) { return low.ends_with(e); });
   const bool holds = find_word(text, "has") != std::string::npos || find_word(text, "have") != std::string::npos ||
@@ -170,8 +172,8 @@ std::string with_each_name(std::string_view item, const Vocabulary& vocabulary) 
   const std::string noun(noun_of(target, vocabulary));
   const auto label = vocabulary.find(noun);
   if (!label || noun == target) return whole;
-  const std::string one = vocabulary.is_plural(noun) ? vocabulary.labels().classes.at(static_cast<size_t>(*label)).name
-                                                     : std::string(noun);
+  const std::string one =
+      vocabulary.is_plural(noun) ? vocabulary.labels().classes.at(static_cast<size_t>(*label)).name : std::string(noun);
   std::string out;
   for (size_t i = 0; i < bare; ++i) out += parts[i] + " " + one + where + " and ";
   out += target.substr(0, target.size() - noun.size()) + one + where;

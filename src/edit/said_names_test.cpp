@@ -14,14 +14,14 @@ class SaidNames : public small_room::BedroomOfBoxes {
  protected:
   SaidNames() {
     viewpoint_.place = Vec3d{0, -1.5, 0.1};
-    put("wall", {-2.02f, -2.5f, 0}, {-2, 0, 4}, 2);         // on the left
-    put("wall", {-2, -2.5f, -0.06f}, {2, 0, -0.04f}, 3);    // behind the cameras
+    put("wall", {-2.02f, -2.5f, 0}, {-2, 0, 4}, 2);       // on the left
+    put("wall", {-2, -2.5f, -0.06f}, {2, 0, -0.04f}, 3);  // behind the cameras
     put("painting", {-0.2f, -1.8f, 3.92f}, {0.3f, -1.3f, 3.98f}, 2);
     put("painting", {0.8f, -1.8f, 3.92f}, {1.4f, -1.3f, 3.98f}, 3);
     put("book", {-0.28f, -0.9f, 3.55f}, {-0.16f, -0.8f, 3.9f});
     put("book", {0.14f, -0.86f, 3.6f}, {0.22f, -0.8f, 3.8f}, 2);
     put("cushion", {1.3f, -0.9f, 0.6f}, {1.7f, -0.8f, 1.0f});  // on chair#2
-    put("stool", {-1.98f, -0.45f, 0.05f}, {-1.6f, 0, 0.4f});    // in a corner
+    put("stool", {-1.98f, -0.45f, 0.05f}, {-1.6f, 0, 0.4f});   // in a corner
     put("stool", {0, -0.45f, 1.9f}, {0.3f, 0, 2.2f}, 2);
     put("door", {1.0f, -2, -0.02f}, {1.9f, 0, 0.02f});
     put("curtain", {-1.9f, -2, 3.9f}, {-1.6f, -0.02f, 3.96f});
@@ -52,9 +52,9 @@ class SaidNames : public small_room::BedroomOfBoxes {
 };
 
 TEST_F(SaidNames, TheMiddleOne) {
-  expect_all("painting#2", {"the middle painting", "the painting in the middle", "the central painting",
-                            "Painting in the centre", "the center painting", "the middle one of the three paintings",
-                            "the middle of the paintings"});
+  expect_all("painting#2",
+             {"the middle painting", "the painting in the middle", "the central painting", "Painting in the centre",
+              "the center painting", "the middle one of the three paintings", "the middle of the paintings"});
   EXPECT_THAT(refusal("the middle chair"), AllOf(HasSubstr("no middle one"), HasSubstr("or \"chair#2\"?")));
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -203,6 +204,10 @@ std::vector<ImageF> refine_once(const Scene& scene, const RefineSceneOptions& op
 }
 
 /// Moves the depth of the training photos, whose pixels are as sure as `certainty`, onto planes of what was measured.
+bool any_labels(const ScenePhotos& photos) {
+  return std::any_of(photos.labels.begin(), photos.labels.end(), [](const auto& map) { return !map.empty(); });
+}
+
 void lay_on_planes_of_all(const RefineSceneOptions& options, const std::vector<ImageF>& certainty, ThreadPool& pool,
                           ScenePhotos& photos, std::vector<ImageF>& log_factors, RefineSceneReport& report) {
   std::vector<MatchView> match;
@@ -252,7 +257,7 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
   std::vector<ImageF> certainty;
   for (int pass = 0; pass < options.passes; ++pass)
     certainty = refine_once(scene, options, pool, photos, log_factors, report);
-  if (options.bare_planes && !certainty.empty())
+  if (options.bare_planes && !certainty.empty() && any_labels(photos))
     lay_on_planes_of_all(options, certainty, pool, photos, log_factors, report);
   if (options.exposure) report.log_gains = measure_exposure(photos, training, options, pool);
   std::vector<Camera> cameras;

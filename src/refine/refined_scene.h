@@ -31,7 +31,8 @@ struct RefineSceneOptions {
   PanelDepthSettings panel_settings;
   /// where planes are looked for: panes, mirrors, screens and pictures get planes of their own
   bool panels = true;
-  bool bare_planes = true;  ///< at the end, bare surfaces are laid on planes of what was measured, whatever it is
+  /// at the end, bare surfaces are laid on planes of what was measured, whatever it is; only where photos have labels
+  bool bare_planes = true;
   BarePlaneSettings bare_settings = bare_planes_of_network();
   ScreenSettings screen_settings;  ///< of those of screens, which edges in several photos tell
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.

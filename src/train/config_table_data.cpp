@@ -14,7 +14,7 @@ std::vector<ConfigKey> data_init_train_keys() {
        "`aligngs run` measures depth in the photos of a scene that has cameras and points and no prior depth (`aligngs "
        "refine`)"},
       {"data.bare_planes", field<&C::data, &DataConfig::bare_planes>, 0, 0, value(true),
-       "where depth is refined or measured: bare surfaces lie on planes of what was measured"},
+       "where depth is measured, or refined with labels: bare surfaces lie on planes of what was measured"},
       {"data.refine_cameras", field<&C::data, &DataConfig::refine_cameras>, 0, 0, value(true),
        "`aligngs run` and `demo` correct cameras and metric prior depth from matches before training (`aligngs "
        "refine`)"},

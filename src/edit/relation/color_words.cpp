@@ -23,20 +23,21 @@ struct ColorRange {
 
 constexpr double kAnyHue = 180, kMost = 200;
 /// The plainest words; the first one that fits describes a colour.
-constexpr ColorRange kRanges[] = {{"white", 0, kAnyHue, 78, 100, 0, 12},      {"black", 0, kAnyHue, 0, 25, 0, 12},
-                                  {"gray", 0, kAnyHue, 25, 78, 0, 10},        {"beige", 80, 30, 62, 100, 6, 32},
-                                  {"brown", 65, 30, 8, 60, 10, 60},        {"yellow", 95, 18, 55, 100, 32, kMost},
-                                  {"orange", 60, 20, 50, 85, 40, kMost},   {"red", 28, 22, 12, 65, 26, kMost},
-                                  {"pink", 5, 36, 58, 95, 10, kMost},      {"green", 148, 44, 0, 100, 10, kMost},
+constexpr ColorRange kRanges[] = {{"white", 0, kAnyHue, 78, 100, 0, 12},     {"black", 0, kAnyHue, 0, 25, 0, 12},
+                                  {"gray", 0, kAnyHue, 25, 78, 0, 10},       {"beige", 80, 30, 62, 100, 6, 32},
+                                  {"brown", 65, 30, 8, 60, 10, 60},          {"yellow", 95, 18, 55, 100, 32, kMost},
+                                  {"orange", 60, 20, 50, 85, 40, kMost},     {"red", 28, 22, 12, 65, 26, kMost},
+                                  {"pink", 5, 36, 58, 95, 10, kMost},        {"green", 148, 44, 0, 100, 10, kMost},
                                   {"turquoise", 200, 28, 0, 100, 10, kMost}, {"blue", 268, 44, 0, 100, 8, kMost},
                                   {"purple", 318, 28, 0, 100, 8, kMost}};
 
 /// Other words for the same ranges.
 constexpr std::pair<std::string_view, std::string_view> kSame[] = {
-    {"grey", "gray"},     {"violet", "purple"}, {"lilac", "purple"},      {"cream", "beige"},      {"reddish", "red"},
-    {"bluish", "blue"},   {"greenish", "green"}, {"brownish", "brown"},   {"yellowish", "yellow"}, {"pinkish", "pink"},
-    {"whitish", "white"}, {"blackish", "black"}, {"greyish", "gray"},     {"grayish", "gray"},     {"teal", "turquoise"},
-    {"cyan", "turquoise"}, {"aqua", "turquoise"}, {"off white", "white"}, {"snow white", "white"}};
+    {"grey", "gray"},        {"violet", "purple"},   {"lilac", "purple"},    {"cream", "beige"},
+    {"reddish", "red"},      {"bluish", "blue"},     {"greenish", "green"},  {"brownish", "brown"},
+    {"yellowish", "yellow"}, {"pinkish", "pink"},    {"whitish", "white"},   {"blackish", "black"},
+    {"greyish", "gray"},     {"grayish", "gray"},    {"teal", "turquoise"},  {"cyan", "turquoise"},
+    {"aqua", "turquoise"},   {"off white", "white"}, {"snow white", "white"}};
 
 constexpr std::string_view kShades[] = {"dark", "deep", "light", "pale", "bright"};
 
@@ -78,7 +79,12 @@ ColorRange around(std::string_view word, const std::array<uint8_t, 3>& rgb) {
   const SeenColor c = seen_color(rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0);
   constexpr double kGray = 12, kTurn = 24, kShadeStep = 25, kShare = 0.25;
   const bool gray = c.chroma < kGray;
-  return {word,  c.hue, gray ? kAnyHue : kTurn, c.lightness - kShadeStep, c.lightness + kShadeStep, gray ? 0 : kShare * c.chroma,
+  return {word,
+          c.hue,
+          gray ? kAnyHue : kTurn,
+          c.lightness - kShadeStep,
+          c.lightness + kShadeStep,
+          gray ? 0 : kShare * c.chroma,
           gray ? kGray : kMost};
 }
 

@@ -9,12 +9,12 @@ namespace aligngs {
 namespace {
 
 constexpr std::pair<std::string_view, NarrowPlace> kNames[] = {
-    {"floor lamp", NarrowPlace::kOnFloor},      {"standing lamp", NarrowPlace::kOnFloor},
-    {"standard lamp", NarrowPlace::kOnFloor},   {"table lamp", NarrowPlace::kOnFurniture},
-    {"desk lamp", NarrowPlace::kOnFurniture},   {"bedside lamp", NarrowPlace::kAtBed},
-    {"bedside table", NarrowPlace::kAtBed},     {"bedside cabinet", NarrowPlace::kAtBed},
-    {"nightstand", NarrowPlace::kAtBed},        {"night stand", NarrowPlace::kAtBed},
-    {"night table", NarrowPlace::kAtBed},       {"bedside rug", NarrowPlace::kAtBed},
+    {"floor lamp", NarrowPlace::kOnFloor},    {"standing lamp", NarrowPlace::kOnFloor},
+    {"standard lamp", NarrowPlace::kOnFloor}, {"table lamp", NarrowPlace::kOnFurniture},
+    {"desk lamp", NarrowPlace::kOnFurniture}, {"bedside lamp", NarrowPlace::kAtBed},
+    {"bedside table", NarrowPlace::kAtBed},   {"bedside cabinet", NarrowPlace::kAtBed},
+    {"nightstand", NarrowPlace::kAtBed},      {"night stand", NarrowPlace::kAtBed},
+    {"night table", NarrowPlace::kAtBed},     {"bedside rug", NarrowPlace::kAtBed},
     {"bedside clock", NarrowPlace::kAtBed}};
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace aligngs {
 namespace {
 
-constexpr double kCorner = 0.8;   // metres to each of the two walls
-constexpr double kSquare = 0.5;   // cosine: walls that meet in a corner
+constexpr double kCorner = 0.8;         // metres to each of the two walls
+constexpr double kSquare = 0.5;         // cosine: walls that meet in a corner
 constexpr double kCornerStrays = 0.02;  // share of an object's places that may be nearer
 
 }  // namespace
@@ -20,8 +20,8 @@ const std::vector<RoomPlane>& RoomPlaces::walls() const {
   const LabelledGaussians& room = objects_.room();
   const Vec3d inside = objects_.viewpoint().place.value_or(place_inside(room, {}));
   std::vector<RoomPlane> found;
-  for (RoomPlane& plane : room_planes(room, carrying_classes(objects_.labels()),
-                                      std::vector<uint8_t>(room.model.size(), 0), inside)) {
+  for (RoomPlane& plane :
+       room_planes(room, carrying_classes(objects_.labels()), std::vector<uint8_t>(room.model.size(), 0), inside)) {
     if (plane.kind == PlaneKind::kWall) found.push_back(std::move(plane));
   }
   walls_ = std::make_unique<std::vector<RoomPlane>>(std::move(found));
