@@ -8,6 +8,7 @@
 #include "io/colmap.h"
 #include "scene/mesh_ply.h"
 #include "scene/not_a_scene.h"
+#include "scene/photo_lookup.h"
 #include "scene/scene_check.h"
 #include "scene/scene_json.h"
 #include "scene/scene_split.h"

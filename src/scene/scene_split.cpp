@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "scene/map_names.h"
+#include "scene/photo_lookup.h"
 #include "scene/scene_check.h"
 #include "scene/scene_json.h"
 #include "scene/view_names.h"
