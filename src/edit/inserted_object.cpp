@@ -170,7 +170,7 @@ std::optional<Vec3d> wall_behind(const EditableRoom& room, const std::vector<uin
     if (plane.kind != PlaneKind::kWall) continue;
     std::vector<double> heights;
     for (size_t i = 0; i < selected.size(); ++i) {
-      if (selected[i]) heights.push_back(dot(plane.normal, position_of(g.model, i)) - plane.offset);
+      if (selected[i]) heights.push_back(plane.height(position_of(g.model, i)));
     }
     const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kNearest * static_cast<double>(heights.size()));
     std::nth_element(heights.begin(), low, heights.end());

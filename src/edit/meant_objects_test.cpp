@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "core/error.h"
 #include "edit/relation/bedroom_for_tests.h"
 
 namespace aligngs {
@@ -11,18 +10,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-class MeantObjectsTest : public small_room::BedroomOfBoxes {
- protected:
-  /// Message and remedy.
-  std::string refusal(const std::string& text) const {
-    try {
-      ADD_FAILURE() << text << " means " << meant(text);
-    } catch (const Error& error) {
-      return error.details().message + " | " + error.details().remedy;
-    }
-    return "";
-  }
-};
+class MeantObjectsTest : public small_room::BedroomOfBoxes {};
 
 TEST_F(MeantObjectsTest, OneThingOnAnother) {
   EXPECT_EQ(meant("the pillow on bed#1"), "pillow#1");

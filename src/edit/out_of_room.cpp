@@ -49,11 +49,9 @@ class Shell {
     for (const Vec3d& p : places) {
       Depths one{};
       for (const RoomPlane& plane : planes_) {
-        const double height = dot(plane.normal, p) - plane.offset;
-        const Vec3d foot = p - plane.normal * height;
-        bool near = height < 0;
-        for (int a = 0; a < 3; ++a) near = near && foot[a] > plane.low[a] - reach_ && foot[a] < plane.high[a] + reach_;
-        if (near) one[place_of(plane.kind)] = std::max(one[place_of(plane.kind)], -height);
+        const double height = plane.height(p);
+        if (height < 0 && has_surface_at(plane, p, reach_))
+          one[place_of(plane.kind)] = std::max(one[place_of(plane.kind)], -height);
       }
       Vec3d beside;  // to the box around all planes, level: a room may have no ceiling
       for (int a = 0; a < 3; ++a) beside[a] = p[a] - std::clamp(p[a], low_[a], high_[a]);

@@ -1,7 +1,6 @@
 // Objects as people name them, in a bedroom of boxes.
 #include <gmock/gmock.h>
 
-#include "core/error.h"
 #include "edit/relation/bedroom_for_tests.h"
 
 namespace aligngs {
@@ -37,14 +36,6 @@ class SaidNames : public small_room::BedroomOfBoxes {
       for (size_t c = 0; c < 3; ++c)
         room_.model.sh[3 * kShCoefficients * i + c] = (color[static_cast<int>(c)] - 0.5f) / static_cast<float>(kSh0);
     }
-  }
-  std::string refusal(const std::string& text) const {
-    try {
-      ADD_FAILURE() << text << " means " << meant(text);
-    } catch (const Error& error) {
-      return error.details().message + " | " + error.details().remedy;
-    }
-    return "";
   }
   void expect_all(const std::string& means, std::initializer_list<const char*> texts) const {
     for (const char* text : texts) EXPECT_EQ(meant(text), means) << text;

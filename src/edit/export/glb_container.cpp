@@ -1,7 +1,6 @@
 #include "edit/export/glb_container.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/error.h"
 #include "core/version.h"
@@ -134,7 +133,5 @@ void GlbContainer::write(const std::filesystem::path& path) {
   }
   file.commit();
 }
-
-float srgb_to_linear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 }  // namespace aligngs

@@ -46,7 +46,4 @@ class GlbContainer {
   size_t bytes_ = 0;                 ///< of all pieces
 };
 
-/// Linear light of an sRGB value in [0, 1] (IEC 61966-2-1): glTF's COLOR_0 is linear.
-float srgb_to_linear(float v);
-
 }  // namespace aligngs

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/srgb.h"
 #include "edit/export/codebook.h"
 #include "edit/export/glb_container.h"
 #include "edit/export/object_meshes.h"
@@ -119,16 +120,15 @@ TEST_F(SceneExport, GlbSplatsHaveAColourForViewersThatDrawPoints) {
   const std::string bytes = read_file(file("splats.glb"));
   const size_t binary = 20 + load_number<uint32_t>(bytes.data() + 12, false) + 8;
   const size_t at = binary + glb["bufferViews"][accessor["bufferView"].get<size_t>()]["byteOffset"].get<size_t>();
-  const double expected[] = {srgb_to_linear(0.2f), srgb_to_linear(0.4f), srgb_to_linear(0.8f),
-                             1 / (1 + std::exp(-3.0))};
+  const double expected[] = {srgb_decode(0.2f), srgb_decode(0.4f), srgb_decode(0.8f), 1 / (1 + std::exp(-3.0))};
   for (size_t c = 0; c < 4; ++c)
     EXPECT_NEAR(load_number<uint16_t>(bytes.data() + at + 2 * c, false) / 65535.0, expected[c], 1e-3) << c;
 }
 
 TEST_F(SceneExport, GlbColoursAreLinear) {
-  EXPECT_NEAR(srgb_to_linear(0.5f), 0.2140f, 1e-4);
-  EXPECT_FLOAT_EQ(srgb_to_linear(0), 0);
-  EXPECT_NEAR(srgb_to_linear(1), 1, 1e-6);
+  EXPECT_NEAR(srgb_decode(0.5f), 0.2140f, 1e-4);
+  EXPECT_FLOAT_EQ(srgb_decode(0), 0);
+  EXPECT_NEAR(srgb_decode(1), 1, 1e-6);
 }
 
 TEST_F(SceneExport, ObjHasOneGroupPerObject) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/srgb.h"
 #include "edit/export/glb_container.h"
 #include "edit/export/object_meshes.h"
 #include "edit/export/scene_export.h"
@@ -16,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 /// Splats fainter than this are invisible and only cost space (alpha_min of the rasteriser).
 
-uint16_t linear16(float srgb) { return static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(srgb))); }
+uint16_t linear16(float srgb) { return static_cast<uint16_t>(std::lround(65535 * srgb_decode(srgb))); }
 
 int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotation, int material) {
   const TriangleMesh& mesh = object.mesh;

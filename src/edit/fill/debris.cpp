@@ -29,7 +29,7 @@ UnderObjects under_objects(const FillRoom& r, const RoomPlane& plane) {
     if (!r.rests_on(part, plane)) continue;
     parts.emplace_back();
     for (uint32_t i = 0; i < part.size(); ++i) {
-      const double height = dot(plane.normal, position_of(r.room.model, i)) - plane.offset;
+      const double height = plane.height(position_of(r.room.model, i));
       if (part[i] && std::fabs(height) < r.settings.overhang * r.extent) parts.back().push_back(i);
     }
     rows.insert(rows.end(), parts.back().begin(), parts.back().end());
@@ -68,7 +68,7 @@ const RoomPlane* nearest_plane(const FillRoom& r, const Vec3d& place, PlaneKind 
   const RoomPlane* best = nullptr;
   double least = 1e300;
   for (const RoomPlane& plane : r.planes) {
-    const double distance = std::fabs(dot(plane.normal, place) - plane.offset);
+    const double distance = std::fabs(plane.height(place));
     if (plane.kind != kind || distance >= least) continue;
     least = distance;
     best = &plane;

@@ -50,7 +50,7 @@ std::vector<Vec3f> FillRoom::furniture_points() const {
 bool FillRoom::reaches(const std::vector<uint8_t>& part, const RoomPlane& plane, double distance) const {
   std::vector<double> heights;
   for (size_t i = 0; i < part.size(); ++i) {
-    if (part[i]) heights.push_back(dot(plane.normal, position_of(room.model, i)) - plane.offset);
+    if (part[i]) heights.push_back(plane.height(position_of(room.model, i)));
   }
   constexpr double kLowest = 0.05;  // share of the part: strays below do not touch
   const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kLowest * static_cast<double>(heights.size()));
@@ -101,7 +101,7 @@ std::vector<uint32_t> FillRoom::rows_on(const PlaneGrid& grid, int label, int in
 }
 
 bool FillRoom::lies_on(const Vec3d& place, const RoomPlane& plane) const {
-  return std::fabs(dot(plane.normal, place) - plane.offset) < settings.tolerance * extent;
+  return std::fabs(plane.height(place)) < settings.tolerance * extent;
 }
 
 std::vector<float> FillRoom::coverage(const PlaneGrid& grid, bool is_gone) const {

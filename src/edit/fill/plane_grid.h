@@ -14,6 +14,8 @@ namespace aligngs {
 struct PlaneOf {
   Vec3d normal;
   double offset = 0;
+  /// Distance of a place before the plane, scene units; less than 0 behind it.
+  double height(const Vec3d& place) const { return dot(normal, place) - offset; }
 };
 
 struct PlaneGrid {

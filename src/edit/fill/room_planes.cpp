@@ -69,7 +69,7 @@ std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vec
     plane.high = {-1e300, -1e300, -1e300};
     for (size_t k = 0; k < points.size(); ++k) {
       if (points[k].kind != plane.kind ||
-          std::fabs(dot(plane.normal, points[k].position) - plane.offset) > settings.tolerance * room.extent ||
+          std::fabs(plane.height(points[k].position)) > settings.tolerance * room.extent ||
           std::fabs(dot(plane.normal, points[k].normal)) < settings.facing) {
         continue;
       }
@@ -84,15 +84,17 @@ std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vec
   return out;
 }
 
+bool has_surface_at(const RoomPlane& plane, const Vec3d& place, double reach) {
+  const Vec3d foot = place - plane.normal * plane.height(place);
+  for (int a = 0; a < 3; ++a) {
+    if (!(foot[a] > plane.low[a] - reach && foot[a] < plane.high[a] + reach)) return false;
+  }
+  return true;
+}
+
 bool is_inside(const Vec3d& place, const std::vector<RoomPlane>& planes, double tolerance, double reach) {
   for (const RoomPlane& plane : planes) {
-    const double height = dot(plane.normal, place) - plane.offset;
-    if (height > -tolerance) continue;
-    const Vec3d on_plane = place - plane.normal * height;
-    bool near = true;
-    for (int a = 0; a < 3; ++a)
-      near = near && on_plane[a] > plane.low[a] - reach && on_plane[a] < plane.high[a] + reach;
-    if (near) return false;
+    if (plane.height(place) <= -tolerance && has_surface_at(plane, place, reach)) return false;
   }
   return true;
 }

@@ -34,6 +34,9 @@ std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vec
                                    const std::vector<uint8_t>& left_out, const Vec3d& inside,
                                    const RoomPlaneSettings& settings = {});
 
+/// Whether the plane has a surface at the foot of a place, or within `reach` of it along each axis.
+bool has_surface_at(const RoomPlane& plane, const Vec3d& place, double reach);
+
 /// Whether a place is in the room as far as its planes tell: not behind a plane that has a surface near there.
 bool is_inside(const Vec3d& place, const std::vector<RoomPlane>& planes, double tolerance, double reach);
 

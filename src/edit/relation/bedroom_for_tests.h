@@ -1,6 +1,7 @@
 // A bedroom of boxes: two beds with pillows, a chest of drawers with a lamp, a floor lamp, chairs, pictures and a rug.
 #pragma once
 
+#include "core/error.h"
 #include "edit/meant_objects.h"
 #include "edit/small_room_for_tests.h"
 
@@ -33,6 +34,15 @@ class BedroomOfBoxes : public LabelledBoxes {
   std::string meant(const std::string& text) const {
     const Vocabulary vocabulary(labels_);
     return selection_text(with_numbers(parse_selection(text, vocabulary), objects()), labels_);
+  }
+  /// Message and remedy of a selection that is refused.
+  std::string refusal(const std::string& text) const {
+    try {
+      ADD_FAILURE() << text << " means " << meant(text);
+    } catch (const Error& error) {
+      return error.details().message + " | " + error.details().remedy;
+    }
+    return "";
   }
 
   LabelSet labels_ = ade20k_labels();

@@ -7,8 +7,10 @@
 
 #include "core/angles.h"
 #include "core/letter_case.h"
+#include "core/srgb.h"
 #include "edit/color_names.h"
 #include "edit/selection_words.h"
+#include "edit/vocabulary.h"
 
 namespace aligngs {
 namespace {
@@ -59,8 +61,6 @@ std::pair<std::string_view, std::string_view> parted(std::string_view word) {
   return {{}, word};
 }
 
-double linear(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-
 bool fits(const ColorRange& range, const SeenColor& color, double slack) {
   const double turn = std::fabs(std::remainder(color.hue - range.hue, 360));
   const double dullest = range.half_width == kAnyHue ? 0 : range.dullest - 4 * slack;
@@ -91,8 +91,8 @@ ColorRange around(std::string_view word, const std::array<uint8_t, 3>& rgb) {
 }  // namespace
 
 SeenColor seen_color(double red, double green, double blue) {
-  const double r = linear(std::clamp(red, 0.0, 1.0)), g = linear(std::clamp(green, 0.0, 1.0)),
-               b = linear(std::clamp(blue, 0.0, 1.0));
+  const double r = srgb_decode(static_cast<float>(red)), g = srgb_decode(static_cast<float>(green)),
+               b = srgb_decode(static_cast<float>(blue));
   // IEC 61966-2-1, each divided by the white of D65.
   const double x = (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505, y = 0.2126 * r + 0.7152 * g + 0.0722 * b,
                z = (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089;

@@ -42,11 +42,7 @@ std::optional<double> RoomPlaces::gap_to_corner(size_t object) const {
     std::vector<double> heights;
     for (const Vec3f& place : objects_.places(object)) {
       const Vec3d p = place.cast<double>();
-      const double height = dot(wall.normal, p) - wall.offset;
-      const Vec3d foot = p - wall.normal * height;
-      bool before = true;
-      for (int a = 0; a < 3; ++a) before = before && foot[a] > wall.low[a] - reach && foot[a] < wall.high[a] + reach;
-      if (before) heights.push_back(height);
+      if (has_surface_at(wall, p, reach)) heights.push_back(wall.height(p));
     }
     if (heights.empty()) continue;
     const double gap = std::max(0.0, quantile_of(std::move(heights), kCornerStrays));
