@@ -1,22 +1,28 @@
 #!/usr/bin/env bash
 # Builds the stage "cpu" of the Dockerfile with Debian's buildah, and runs the program in it as its ordinary user.
-# Usage: scripts/check_image_engine.sh [DEB]     needs root, debootstrap and unshare; 77 where one is missing
-# No registry is asked: the base comes from debootstrap, and DEB takes the place of the stage "build".
+# Usage: scripts/check_image_engine.sh [DEB | --source]     needs root, debootstrap and unshare; 77 where one is missing
+# No registry is asked: the base comes from debootstrap, and DEB takes the place of the stage "build". With --source
+# that stage runs too, on the files of the last commit. It compiles everything, and needs 10 GB.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/clean_root.sh
-case "${1:-}" in -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;; esac
-deb=$(package_in_dist 'aligngs_*.deb' package.sh "${1:-}")
+case "${1:-}" in -h|--help) sed -n '2,5p' "$0" | cut -c3-; exit 0 ;; esac
+[ "${1:-}" = --source ] || deb=$(package_in_dist 'aligngs_*.deb' package.sh "${1:-}")
 clean_root_or_skip
 command -v unshare >/dev/null || { echo "skipped: unshare is missing (apt-get install util-linux)"; exit 77; }
 make_clean_root
 
-# --- A folder as `docker build` sees it, whose stage "build" only hands on the package.
+# --- A folder as `docker build` sees it. Without --source its stage "build" only hands on the package.
 context=$root/context
 mkdir -p "$context/dist" "$root/volume"
-cp "$deb" "$context/dist/"
-cp -r scripts "$context/"
-{ printf 'FROM scratch AS build\nCOPY dist /src/dist\n\n'; sed -n '/^FROM .* AS cpu-files$/,/^# The toolkit/p' Dockerfile; } >"$context/Dockerfile"
+if [ "${1:-}" = --source ]; then
+  git archive HEAD | tar -C "$context" -x
+  sed -n '/^FROM debian:12 AS build$/,/^# The toolkit/p' Dockerfile >"$context/Dockerfile"
+else
+  cp "$deb" "$context/dist/"
+  cp -r scripts "$context/"
+  { printf 'FROM scratch AS build\nCOPY dist /src/dist\n\n'; sed -n '/^FROM .* AS cpu-files$/,/^# The toolkit/p' Dockerfile; } >"$context/Dockerfile"
+fi
 chown 1000:1000 "$root/volume"
 tar -C "$root" --exclude='./proc/*' --exclude=./context --exclude=./volume -cf "$root.base" .
 mv "$root.base" "$root/base.tar"
@@ -32,6 +38,7 @@ export STORAGE_DRIVER=vfs BUILDAH_ISOLATION=chroot # these two work inside of ot
 base=$(buildah from scratch)
 buildah add -q "$base" /base.tar / >/dev/null
 buildah commit -q --rm "$base" docker.io/library/debian:12-slim >/dev/null
+buildah tag docker.io/library/debian:12-slim docker.io/library/debian:12
 rm /base.tar
 buildah bud -q --pull-never --target cpu -t aligngs /context >/dev/null
 user=$(buildah inspect --type image --format '{{.OCIv1.Config.User}}' aligngs)

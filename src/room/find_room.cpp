@@ -267,7 +267,7 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   for (ObjectPoints& object : objects) {
     for (Vec3d& p : object.points) p = room.to_room * p;
   }
-  room.boxes = find_boxes(join_pieces(std::move(objects)), room.walls, room.height, s.furniture);
+  room.boxes = find_boxes(join_pieces(std::move(objects)), {room.walls, std::move(rays), room.height}, s.furniture);
   // A box outside is a mirror image, or seen through a pane.
   std::erase_if(room.boxes, [&room](const MeasuredBox& box) { return !inside(room.walls, box.centre); });
   room.metric = inputs.metres_per_unit.has_value();

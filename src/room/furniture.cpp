@@ -70,6 +70,7 @@ double seen_share(const MeasuredBox& box, const std::vector<Vec3d>& points, doub
     return std::clamp(static_cast<int>(at / whole * n), 0, n - 1);
   };
   for (const Vec3d& p : points) {
+    if (!std::isfinite(dot(p, p))) continue;
     const double x = p.x - box.centre.x, y = p.y - box.centre.y;
     const double u = c * x + s * y + box.width / 2, v = -s * x + c * y + box.depth / 2, z = p.z - box.bottom;
     const int i = square(u, size[0], count[0]), j = square(v, size[1], count[1]), k = square(z, size[2], count[2]);
@@ -136,7 +137,7 @@ std::string support_of(const MeasuredBox& box, const std::vector<MeasuredBox>& b
       return box_name(other);
   }
   for (const MeasuredWall& wall : walls) {
-    if (wall.length() > 0 && to_wall(box, wall) < s.to_support) return "wall";
+    if (can_hang_on_wall(box.class_name) && wall.length() > 0 && to_wall(box, wall) < s.to_support) return "wall";
   }
   return height - box.top < s.to_support ? "ceiling" : "unknown";
 }
@@ -220,16 +221,25 @@ bool fit_box(const ObjectPoints& object, const FurnitureSettings& s, MeasuredBox
   return true;
 }
 
-std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls,
-                                    double height, const FurnitureSettings& settings) {
+std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const FurnitureSurroundings& around,
+                                    const FurnitureSettings& settings) {
   std::vector<MeasuredBox> out;
+  std::vector<const ObjectPoints*> sources;
   for (const ObjectPoints& object : objects) {
     MeasuredBox box;
     if (!fit_box(object, settings, box)) continue;
-    for (const MeasuredWall& wall : walls) cut_back(box, wall, settings.in_wall);
+    for (const MeasuredWall& wall : around.walls) cut_back(box, wall, settings.in_wall);
     out.push_back(std::move(box));
+    sources.push_back(&object);
   }
-  for (MeasuredBox& box : out) box.support = support_of(box, out, walls, height, settings);
+  const auto set_supports = [&] {
+    for (MeasuredBox& box : out) box.support = support_of(box, out, around.walls, around.height, settings);
+  };
+  reach_walls(out, around.walls, around.rays, settings.unseen);
+  set_supports();
+  reach_down(out, around.rays, settings.unseen);
+  set_supports();
+  for (size_t i = 0; i < out.size(); ++i) out[i].seen = seen_share(out[i], sources[i]->points, settings.cell);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "room/measured_room.h"
+#include "room/unseen_parts.h"
 
 namespace aligngs {
 
@@ -30,6 +31,7 @@ struct FurnitureSettings {
   /// metres, of the longest side: smaller ones are mostly confusions of a teacher, and so are beds shorter than a metre
   double least_size = 0.25;
   size_t least_points = 30;
+  UnseenPartsSettings unseen;
 };
 
 /// The largest connected part of each object, of cubes with side `link` metres. Points of a class elsewhere in the room
@@ -43,9 +45,16 @@ std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double 
 /// finite are ignored. Returns false, with nothing written, for too few points or too small a box.
 bool fit_box(const ObjectPoints& object, const FurnitureSettings& settings, MeasuredBox& box);
 
-/// Boxes of all objects in the order given, cut back where they reach into walls, each with its support. `height` of
-/// the ceiling, metres.
-std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls,
-                                    double height, const FurnitureSettings& settings = {});
+/// The room around the furniture, in the frame of the objects and in metres.
+struct FurnitureSurroundings {
+  std::vector<MeasuredWall> walls;
+  std::vector<SeenRay> rays;  ///< pixels of the photos: parts that they do not show are added by room/unseen_parts.h
+  double height = 0;          ///< of the ceiling
+};
+
+/// Boxes of all objects in the order given, each with its support. They are cut back where they reach into walls, and
+/// extended by parts that no photo shows.
+std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const FurnitureSurroundings& around,
+                                    const FurnitureSettings& settings = {});
 
 }  // namespace aligngs

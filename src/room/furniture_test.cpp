@@ -76,7 +76,7 @@ TEST(Furniture, OfABoxThatShowsTwoSidesTheTurnIsRight) {
 
 TEST(Furniture, ABoxThatReachesIntoItsWallIsCutBack) {
   const MeasuredWall wall{{-3, 0}, {3, 0}, {0, 1, 0}, 2.5, 1, 1, false};
-  const std::vector<MeasuredBox> boxes = find_boxes({box_points(1, 0.4, 1, 0, 0.14, 0)}, {wall}, 2.5);
+  const std::vector<MeasuredBox> boxes = find_boxes({box_points(1, 0.4, 1, 0, 0.14, 0)}, {{wall}, {}, 2.5});
   ASSERT_EQ(boxes.size(), 1u);
   EXPECT_NEAR(boxes[0].centre.y - boxes[0].depth / 2, 0, 1e-9);
   EXPECT_NEAR(boxes[0].depth, 0.34, 0.03);
@@ -106,7 +106,7 @@ TEST(Furniture, BoxesStandOnTheFloorOnEachOtherOrHang) {
     objects[i].class_name = "cabinet";
     objects[i].instance = static_cast<int>(i) + 1;
   }
-  const std::vector<MeasuredBox> boxes = find_boxes(objects, {wall}, 2.5);
+  const std::vector<MeasuredBox> boxes = find_boxes(objects, {{wall}, {}, 2.5});
   ASSERT_EQ(boxes.size(), 4u);
   EXPECT_EQ(boxes[0].support, "floor");
   EXPECT_EQ(boxes[1].support, "cabinet.1");

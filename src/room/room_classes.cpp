@@ -23,6 +23,7 @@ std::vector<RoomClass> room_classes(const LabelSet& labels) {
     if (index >= 0) set(out[static_cast<size_t>(index)]);
   };
   for (const char* name : kFurniture) of(name, [](RoomClass& c) { c.furniture = true; });
+  of("plant", [](RoomClass& c) { c.leafy = true; });
   of("wall", [](RoomClass& c) { c.wall = true; });
   for (const char* name : {"floor", "rug"}) of(name, [](RoomClass& c) { c.floor = true; });
   of("ceiling", [](RoomClass& c) { c.ceiling = true; });

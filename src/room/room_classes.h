@@ -14,6 +14,7 @@ struct RoomClass {
   bool glass = false;                                 ///< its depth says nothing of where it is
   std::optional<OpeningKind> opening;                 ///< it is a rectangle on a wall
   bool furniture = false;                             ///< it is described by a box
+  bool leafy = false;                                 ///< it has no closed surface, and its Gaussians tell its size
 };
 
 /// For each class of a label set, by name. Classes of none of these kinds (cushions, books, curtains) are left out of

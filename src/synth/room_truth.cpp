@@ -87,7 +87,7 @@ MeasuredRoom room_truth(const RoomModel& model) {
   exact.tail = 0;
   exact.to_floor = 0.02;
   exact.least_points = 1;
-  room.boxes = find_boxes(furniture, room.walls, room.height, exact);
+  room.boxes = find_boxes(furniture, {room.walls, {}, room.height}, exact);
   for (MeasuredBox& box : room.boxes) box.seen = 1;
   return room;
 }

@@ -61,20 +61,22 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
   const LabelledGaussians& g = room.gaussians;
   std::vector<ObjectPoints> out;
   if (!g.has_labels()) return out;
-  const auto is_furniture = [&classes](int label) {
-    return label >= 0 && static_cast<size_t>(label) < classes.size() && classes[static_cast<size_t>(label)].furniture;
+  const bool has_mesh = !room.mesh.empty() && !room.mesh.labels.empty();
+  const auto is_boxed = [&](int label, bool from_mesh) {
+    if (label < 0 || static_cast<size_t>(label) >= classes.size()) return false;
+    const RoomClass& c = classes[static_cast<size_t>(label)];
+    return c.furniture && from_mesh == (has_mesh && !c.leafy);
   };
-  if (!room.mesh.empty() && !room.mesh.labels.empty()) {
+  if (has_mesh) {
     for (const ObjectMesh& object : object_meshes(room, pool)) {
-      if (!is_furniture(object.label) || object.instance == 0) continue;
+      if (!is_boxed(object.label, true) || object.instance == 0) continue;
       ObjectPoints points{object.class_name, object.instance, {}, confidence_of(g, object.label, object.instance)};
       for (const Vec3f& p : object.mesh.vertices) points.points.push_back(p.cast<double>());
       out.push_back(std::move(points));
     }
-    return out;
   }
   for (const Instance& object : list_instances(g.model, g.labels)) {
-    if (!is_furniture(object.label)) continue;
+    if (!is_boxed(object.label, false)) continue;
     ObjectPoints points{room.labels.classes[static_cast<size_t>(object.label)].name,
                         object.number,
                         {},
