@@ -71,7 +71,7 @@ std::vector<uint8_t> with(std::vector<uint8_t> flags, const std::vector<uint8_t>
 void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
                     std::vector<uint8_t> vertices, EditReport& report, ThreadPool& pool) {
   std::vector<SupportPatch> patches;
-  std::vector<uint8_t> gone = mask;
+  std::vector<uint8_t> gone = mask, rest = rest_of_objects(room.gaussians, mask);
   if (edit.fill) {
     Filling filling = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras, &pool});
     patches = std::move(filling.patches);
@@ -79,8 +79,11 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
     report.cleared = static_cast<size_t>(std::count(filling.debris.begin(), filling.debris.end(), uint8_t(1)));
     gone = with(std::move(gone), filling.debris);
     if (report.cleared) vertices = select_vertices(room.mesh, room.gaussians.model, gone, room.gaussians.extent, pool);
+    gone = with(std::move(gone), filling.shaded);
+    append_patch(room, filling.lighter);
+    gone.resize(room.gaussians.model.size(), 0);
   }
-  std::vector<uint8_t> keep = inverted(gone), rest = rest_of_objects(room.gaussians, mask);
+  std::vector<uint8_t> keep = inverted(gone);
   for (const SupportPatch& patch : patches) {
     report.filled += patch.sources.size();
     append_patch(room, patch);  // before rows move: the sources are rows of the room as it is
