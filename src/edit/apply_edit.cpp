@@ -15,8 +15,10 @@
 #include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
+#include "edit/object_names.h"
 #include "edit/object_parts.h"
 #include "edit/out_of_room.h"
+#include "edit/placement_warnings.h"
 #include "edit/recolor.h"
 #include "edit/replace_object.h"
 #include "edit/row_flags.h"
@@ -71,7 +73,7 @@ std::vector<uint8_t> with(std::vector<uint8_t> flags, const std::vector<uint8_t>
 void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
                     std::vector<uint8_t> vertices, EditReport& report, ThreadPool& pool) {
   std::vector<SupportPatch> patches;
-  std::vector<uint8_t> gone = mask;
+  std::vector<uint8_t> gone = mask, rest = rest_of_objects(room.gaussians, mask);
   if (edit.fill) {
     Filling filling = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras, &pool});
     patches = std::move(filling.patches);
@@ -79,8 +81,11 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
     report.cleared = static_cast<size_t>(std::count(filling.debris.begin(), filling.debris.end(), uint8_t(1)));
     gone = with(std::move(gone), filling.debris);
     if (report.cleared) vertices = select_vertices(room.mesh, room.gaussians.model, gone, room.gaussians.extent, pool);
+    gone = with(std::move(gone), filling.shaded);
+    append_patch(room, filling.lighter);
+    gone.resize(room.gaussians.model.size(), 0);
   }
-  std::vector<uint8_t> keep = inverted(gone), rest = rest_of_objects(room.gaussians, mask);
+  std::vector<uint8_t> keep = inverted(gone);
   for (const SupportPatch& patch : patches) {
     report.filled += patch.sources.size();
     append_patch(room, patch);  // before rows move: the sources are rows of the room as it is
@@ -98,6 +103,19 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   }
 }
 
+/// The object that most of a piece is of; several ones have no name.
+std::string name_of(const EditableRoom& room, const EditableRoom& piece) {
+  const std::vector<Instance> objects = list_instances(piece.gaussians.model, piece.gaussians.labels);
+  size_t largest = 0;
+  const Instance* best = nullptr;
+  for (const Instance& object : objects) {
+    if (object.gaussians <= largest) continue;
+    largest = object.gaussians;
+    best = &object;
+  }
+  return best ? object_name(*best, room.labels) : "the object";
+}
+
 void move_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
                   const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
   EditableRoom piece = piece_of(room, mask, vertices);
@@ -107,11 +125,11 @@ void move_objects(EditableRoom& room, const EditOperation& edit, const std::vect
   if (edit.kind == EditKind::kDuplicate && motion.stays_in_place()) motion.shift.x = step_aside(room, mask);
   const Similarity to = motion_in_world(room, mask, motion);
   if (const std::string out = out_of_room(room, mask, to); !out.empty()) report.warnings.push_back(out);
-  if (edit.kind == EditKind::kMove) {
-    remove_objects(room, edit, mask, vertices, report, pool);
-  } else {
-    number_anew(piece, room);
-  }
+  if (edit.kind == EditKind::kDuplicate) number_anew(piece, room);
+  Placement placement{name_of(room, piece), solid_places(room.gaussians.model, mask), {}, edit.kind != EditKind::kMove};
+  for (const Vec3d& place : placement.before) placement.after.push_back(to * place);
+  append(report.warnings, placement_warnings(room, mask, placement));
+  if (edit.kind == EditKind::kMove) remove_objects(room, edit, mask, vertices, report, pool);
   add_piece(room, moved(piece, to));
 }
 
@@ -120,6 +138,11 @@ void replace_objects(EditableRoom& room, const EditOperation& edit, const std::v
   if (!edit.object) throw Error({ErrorKind::kFailed, "the object of a replacement was not read", {}, "--replace", {}});
   const Similarity to = placement_of(room, mask, *edit.object, edit.motion.turn, edit.fit);
   const EditableRoom piece = labelled_for(room, mask, *edit.object);
+  const GaussianModel& model = piece.gaussians.model;
+  Placement placement{name_of(room, piece), solid_places(room.gaussians.model, mask),
+                      solid_places(model, std::vector<uint8_t>(model.size(), 1)), false};
+  for (Vec3d& place : placement.after) place = to * place;
+  append(report.warnings, placement_warnings(room, mask, placement));
   remove_objects(room, edit, mask, vertices, report, pool);
   add_piece(room, moved(piece, to));
   const GaussianLabels& labels = piece.gaussians.labels;

@@ -9,6 +9,7 @@
 #include "edit/fill/fill_room.h"
 #include "edit/fill/furniture_fill.h"
 #include "edit/fill/hole_gaps.h"
+#include "edit/fill/lifted_shade.h"
 #include "edit/fill/plane_rectangle.h"
 #include "gaussians/gaussian_geometry.h"
 
@@ -80,8 +81,10 @@ std::vector<SurfaceHole> shell_holes(const FillRoom& r, const RoomPlane& plane) 
   for (const uint32_t i : plane.carriers) points.push_back(position_of(r.room.model, i));
   std::vector<const std::vector<uint8_t>*> touching;
   for (const std::vector<uint8_t>& part : r.parts) {
-    if (!r.reaches(part, plane, r.settings.touch)) continue;
-    touching.push_back(&part);
+    const bool touches = r.reaches(part, plane, r.settings.touch);
+    if (touches) touching.push_back(&part);
+    // A wall that only its upper half shows goes on down to the foot of what hid it.
+    if (!touches && !r.reaches(part, plane, r.settings.behind)) continue;
     for (size_t i = 0; i < part.size(); ++i) {
       if (part[i]) points.push_back(position_of(r.room.model, i));
     }
@@ -117,6 +120,19 @@ std::vector<SurfaceHole> shell_holes(const FillRoom& r, const RoomPlane& plane) 
   return holes_of(r, plane, grid, with_seam(r, grid, cover, barred, hole));
 }
 
+/// Copies of the rows that are lighter now. They replace the rows.
+void add_lighter(const FillRoom& r, const std::vector<Vec3f>& gains, Filling& filling) {
+  constexpr float kLeastGain = 0.01f;  // nobody sees less
+  filling.shaded.assign(r.room.model.size(), 0);
+  filling.lighter.gaussians.semantic_channels = r.room.model.semantic_channels;
+  filling.lighter.gaussians.sh_degree = r.room.model.sh_degree;
+  for (uint32_t i = 0; i < gains.size(); ++i) {
+    if (r.gone[i] || norm(gains[i] - Vec3f{1, 1, 1}) < kLeastGain) continue;
+    filling.shaded[i] = 1;
+    add_lifted(r.room, i, gains[i], filling.lighter);
+  }
+}
+
 }  // namespace
 
 Filling fill_removed(const FillInput& input, const FillSettings& settings) {
@@ -124,6 +140,7 @@ Filling fill_removed(const FillInput& input, const FillSettings& settings) {
   Filling filling;
   filling.debris = find_debris(room);
   room.take_away(filling.debris);
+  const std::vector<Vec3f> gains = lifted_shade(room);
   std::vector<SurfaceHole> holes;
   const auto add = [&](std::vector<SurfaceHole> more) {
     holes.insert(holes.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
@@ -134,8 +151,9 @@ Filling fill_removed(const FillInput& input, const FillSettings& settings) {
   for (const std::vector<uint8_t>& part : room.parts) add(furniture_holes(room, part));
   filling.patches.resize(holes.size());
   room.for_each(
-      holes.size(), [&](size_t k) { filling.patches[k] = make_patch(room.room, holes[k]); }, 1);
+      holes.size(), [&](size_t k) { filling.patches[k] = make_patch(room.room, holes[k], gains); }, 1);
   std::erase_if(filling.patches, [](const SupportPatch& p) { return p.sources.empty(); });
+  add_lighter(room, gains, filling);
   return filling;
 }
 

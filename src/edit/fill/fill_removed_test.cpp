@@ -70,6 +70,8 @@ class FillRemoved : public testing::Test {
     for (const size_t row : unselected_) selected_[row] = 0;
     Filling filling = fill_removed({room_, labels, selected_, Vec3d{0, -1, 0}, cameras_});
     debris_ = std::move(filling.debris);
+    shaded_ = std::move(filling.shaded);
+    lighter_ = std::move(filling.lighter);
     return std::move(filling.patches);
   }
   /// New Gaussians within 6 cm of a place.
@@ -96,7 +98,8 @@ class FillRemoved : public testing::Test {
   GaussianModel model_;
   TriangleMesh mesh_;
   LabelledGaussians room_;
-  std::vector<uint8_t> selected_, debris_;
+  std::vector<uint8_t> selected_, debris_, shaded_;
+  SupportPatch lighter_;
   int taken_ = small_room::kBox;      ///< class whose Gaussians go
   std::vector<size_t> called_floor_;  ///< rows whose label is wrong
   std::vector<size_t> crumbs_;        ///< rows of no object
@@ -188,6 +191,47 @@ TEST_F(FillRemoved, TheShadeAroundTheBoxGoesWithIt) {
   cameras_.clear();
   fill();
   EXPECT_EQ(debris_[shaded], 1);
+}
+
+TEST_F(FillRemoved, FaintShadeAroundTheBoxIsLifted) {
+  constexpr float kFaint = 0.9f;
+  const auto is_shaded = [](float x, float z) { return std::abs(x) < 0.45f && z > 0.1f; };
+  color_floor([&](float x, float z) { return kFloorColor * (is_shaded(x, z) ? kFaint : 1.f); });
+  add_box();
+  fill();
+  size_t lifted = 0;
+  for (size_t i = 0; i < lighter_.gaussians.size(); ++i) {
+    const float* p = &lighter_.gaussians.positions[3 * i];
+    if (std::abs(p[0]) > 0.35f || p[2] < 0.2f) continue;  // the edge of the shade is in the same cell as the light
+    ++lifted;
+    EXPECT_NEAR(base_color_of(lighter_.gaussians, i).x, kFloorColor.x, 0.03);
+  }
+  EXPECT_GT(lifted, 50u);
+}
+
+TEST_F(FillRemoved, ALighterCopyReplacesEachShadedGaussian) {
+  color_floor([&](float x, float z) { return kFloorColor * (std::abs(x) < 0.45f && z > 0.1f ? 0.9f : 1.f); });
+  add_box();
+  fill();
+  EXPECT_EQ(static_cast<size_t>(std::count(shaded_.begin(), shaded_.end(), 1)), lighter_.sources.size());
+  for (const uint32_t row : lighter_.sources) EXPECT_TRUE(shaded_[row]);
+}
+
+TEST_F(FillRemoved, LightFarFromTheBoxStays) {
+  color_floor([](float x, float) { return kFloorColor * (x > 0.9f ? 0.9f : 1.f); });
+  add_box();
+  fill();
+  EXPECT_TRUE(lighter_.sources.empty()) << "darkness beyond its reach is not its shade";
+}
+
+TEST_F(FillRemoved, AWallGoesOnDownToTheFootOfWhatHidIt) {
+  add_floor();
+  for (float x = -1.48f; x < 1.5f; x += small_room::kSpacing) {
+    for (float y = -1.58f; y < -0.7f; y += small_room::kSpacing)
+      small_room::add_gaussian(model_, {x, y, 1}, {0, 0, -1}, kWallColor, kWall);
+  }
+  add_box();
+  EXPECT_GT(near(fill(), {0, -0.15, 1}), 0u);
 }
 
 TEST_F(FillRemoved, TheShadeBetweenLegsGoesWithThem) {

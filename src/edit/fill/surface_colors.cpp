@@ -7,7 +7,7 @@ namespace aligngs {
 namespace {
 
 constexpr float kKnown = 0.2f;  ///< weight above which a cell keeps its colour
-constexpr int kSweeps = 60;     ///< of relaxation on the finest level, which smooth the steps of the pyramid
+constexpr int kSweeps = 60;     ///< of relaxation on every level: holes become membranes, coarse parts first
 
 struct Level {
   int columns = 0, rows = 0;
@@ -102,8 +102,8 @@ std::vector<Vec3f> continued_colors(const PlaneGrid& grid, const std::vector<Kno
         fine.color[at] = fine.color[at] * fine.weight[at] + sample(levels[l + 1], i, j) * (1 - fine.weight[at]);
       }
     }
+    relax(fine);
   }
-  relax(levels[0]);
   return levels[0].color;
 }
 

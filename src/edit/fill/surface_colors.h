@@ -17,7 +17,7 @@ struct KnownColor {
 };
 
 /// A colour for each cell of the grid: near known colours their mean, elsewhere a smooth surface through them. It is a
-/// pull-push pyramid (Gortler et al. 1996) and a few sweeps of relaxation. No known colour draws a
+/// pull-push pyramid (Gortler et al. 1996) with sweeps of relaxation on every level. No known colour draws a
 /// streak, as the nearest one would. Empty when nothing is known.
 std::vector<Vec3f> continued_colors(const PlaneGrid& grid, const std::vector<KnownColor>& known);
 

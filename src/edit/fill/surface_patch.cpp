@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/spherical_harmonics.h"
+#include "edit/fill/lifted_shade.h"
 #include "edit/fill/quilted_texture.h"
 #include "edit/fill/repeated_texture.h"
 #include "edit/fill/surface_colors.h"
@@ -59,12 +60,13 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
 }
 
 std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid& grid,
-                                     const std::vector<uint32_t>& rows) {
+                                     const std::vector<uint32_t>& rows, const std::vector<Vec3f>& gains) {
   std::vector<KnownColor> known;
   for (const uint32_t i : rows) {
     const float* s = &model.log_scales[3 * i];
     const double widest = std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
-    known.push_back({grid.place_of(position_of(model, i)), constant_of(model, i), opacity_of(model, i),
+    const Vec3f color = gains.empty() ? constant_of(model, i) : lifted(constant_of(model, i), gains[i]);
+    known.push_back({grid.place_of(position_of(model, i)), color, opacity_of(model, i),
                      std::max(kNarrowest, kMeanWidth * widest / grid.cell)});
   }
   return known;
@@ -98,10 +100,12 @@ std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& 
 
 /// Light continues smoothly from the carriers without strays. A texture continues from all of them: a joint between
 /// tiles has a colour of its own.
-std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
-                               const std::vector<uint32_t>& carriers, const std::vector<uint32_t>& without_strays) {
-  const std::vector<Vec3f> texture = hole_texture(room, grid, hole, known_colors(room.model, grid, carriers));
-  std::vector<KnownColor> known = known_colors(room.model, grid, without_strays);
+std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const SurfaceHole& open,
+                               const std::vector<uint32_t>& without_strays, const std::vector<Vec3f>& gains) {
+  const PlaneGrid& grid = open.grid;
+  const std::vector<Vec3f> texture =
+      hole_texture(room, grid, open.cells, known_colors(room.model, grid, open.carriers, gains));
+  std::vector<KnownColor> known = known_colors(room.model, grid, without_strays, gains);
   if (texture.empty()) return continued_colors(grid, known);
   for (KnownColor& k : known) {
     if (const std::optional<size_t> cell = grid.cell_at(k.place)) k.color = k.color - texture[*cell];
@@ -175,9 +179,19 @@ void add_mesh(const LabelledGaussians& room, const PlaneGrid& grid, const std::v
   }
 }
 
+/// Rows whose colour stays, or all where none stays. A row that a lighter copy replaces is no source. The copy
+/// follows selections that were drawn by hand, and the fill must not.
+std::vector<uint32_t> unchanged(const std::vector<uint32_t>& rows, const std::vector<Vec3f>& gains) {
+  std::vector<uint32_t> out;
+  for (const uint32_t i : rows) {
+    if (gains.empty() || (gains[i].x == 1 && gains[i].y == 1 && gains[i].z == 1)) out.push_back(i);
+  }
+  return out.empty() ? rows : out;
+}
+
 }  // namespace
 
-SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& open) {
+SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& open, const std::vector<Vec3f>& gains) {
   const PlaneGrid& grid = open.grid;
   const std::vector<uint8_t>& hole = open.cells;
   const std::vector<uint32_t>& carriers = open.carriers;
@@ -186,15 +200,16 @@ SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& open) 
   patch.gaussians.sh_degree = room.model.sh_degree;
   if (carriers.empty() || open.is_empty()) return patch;
   const std::vector<uint32_t> rows = without_strays(room, carriers);
+  const std::vector<uint32_t> sources = unchanged(rows, gains);
   std::vector<Vec3f> points;
-  for (const uint32_t i : rows) points.push_back(position_of(room.model, i).cast<float>());
-  std::vector<Vec3f> colors = hole_colors(room, grid, hole, carriers, rows);
+  for (const uint32_t i : sources) points.push_back(position_of(room.model, i).cast<float>());
+  std::vector<Vec3f> colors = hole_colors(room, open, rows, gains);
   const std::vector<float> shine = mean_shine(room.model, rows);
   const PointTree tree(points);
   std::vector<PointTree::Neighbour> near;
   const auto source_at = [&](const Vec3d& place) {
     tree.nearest(place.cast<float>(), 1, near);
-    return rows[near.front().index];
+    return sources[near.front().index];
   };
   if (colors.empty()) {  // all carriers are outside of the grid: the nearest one's colour
     colors.assign(grid.size(), constant_of(room.model, source_at(grid.at(0.5 * grid.columns, 0.5 * grid.rows))));
@@ -209,6 +224,28 @@ SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& open) 
   add_mesh(room, grid, widened(hole, grid), colors, source_at(grid.at(0.5 * grid.columns, 0.5 * grid.rows)),
            patch.mesh);
   return patch;
+}
+
+void add_lifted(const LabelledGaussians& room, uint32_t row, const Vec3f& gain, SupportPatch& patch) {
+  const GaussianModel& from = room.model;
+  GaussianModel& to = patch.gaussians;
+  const size_t i = to.size(), r = row, channels = static_cast<size_t>(to.semantic_channels);
+  to.resize(i + 1);
+  patch.sources.push_back(row);
+  const auto copy = [&](const std::vector<float>& source, std::vector<float>& target, size_t count) {
+    std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(count * r), count,
+                target.begin() + static_cast<std::ptrdiff_t>(count * i));
+  };
+  copy(from.positions, to.positions, 3);
+  copy(from.log_scales, to.log_scales, 3);
+  copy(from.rotations, to.rotations, 4);
+  copy(from.opacity_logits, to.opacity_logits, 1);
+  copy(from.sh, to.sh, kPatchColorNumbers);
+  copy(from.semantics, to.semantics, channels);
+  float* sh = &to.sh[kPatchColorNumbers * i];
+  const Vec3f constant = lifted(constant_of(from, row), gain);
+  for (size_t k = 0; k < kPatchColorNumbers; ++k)
+    sh[k] = k < 3 ? constant[static_cast<int>(k)] : sh[k] * gain[static_cast<int>(k % 3)];
 }
 
 void append_patch(SupportPatch& patch, const SupportPatch& more) {

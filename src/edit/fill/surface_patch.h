@@ -29,7 +29,11 @@ struct SurfaceHole {
 
 /// Fills the cells of a hole from the carriers. Their constant harmonics are continued smoothly (surface_colors.h); the
 /// others are the carriers' mean. Without carriers the patch is empty.
-SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& hole);
+/// `gains` has a factor of the colour of each row (lifted_shade.h), or is empty.
+SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& hole, const std::vector<Vec3f>& gains = {});
+
+/// A row of the room with a lifted colour, at the end of a patch.
+void add_lifted(const LabelledGaussians& room, uint32_t row, const Vec3f& gain, SupportPatch& patch);
 
 /// `more` after `patch`.
 void append_patch(SupportPatch& patch, const SupportPatch& more);
