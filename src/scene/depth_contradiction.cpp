@@ -54,8 +54,8 @@ std::optional<DepthContradiction> depth_contradiction(std::span<const Camera> ca
   if (metric && typical > 0 && (typical < kNear || typical > kFar))
     return DepthContradiction{fmt::format("the median depth is {:.3g} m, which is no room", typical)};
   if (const double times = times_of_points(points, cameras, depths); times > 0)
-    return DepthContradiction{
-        fmt::format("depth is {:.3g} times the distance of the points that came with it", times), 1 / times};
+    return DepthContradiction{fmt::format("depth is {:.3g} times the distance of the points that came with it", times),
+                              1 / times};
   const DepthAgreement agreement = depth_agreement(cameras, depths);
   if (agreement.misreading != PoseMisreading::kNone &&
       !(agreement.has_other_unit() && agreement.scaled_difference < agreement.read_difference))

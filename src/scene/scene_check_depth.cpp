@@ -11,7 +11,7 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kMostMaps = 24;   ///< evenly spread: more tell nothing new
-constexpr int kMostColumns = 320;   ///< of a map that is compared; its samples are farther apart than that
+constexpr int kMostColumns = 320;  ///< of a map that is compared; its samples are farther apart than that
 
 /// A map as it is compared: no larger than needed, 0 where there is no depth. Empty where the file cannot be used.
 ImageF compared_map(const std::filesystem::path& file) {

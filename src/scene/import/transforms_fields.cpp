@@ -60,6 +60,7 @@ const std::set<std::string> kUsed = {"camera_model",
                                      "latlong",
                                      "equirectangular",
                                      "orthographic",
+                                     "is_bad",
                                      "time"};
 
 /// They change nothing here: poses and points are in the file's own world, which its viewers alone move and scale.
@@ -72,6 +73,7 @@ const std::set<std::string> kHarmless = {"applied_transform",
                                          "render_aabb",
                                          "up",
                                          "n_frames",
+                                         "has_mask",
                                          "sharpness",
                                          "sharpen",
                                          "colmap_im_id",
