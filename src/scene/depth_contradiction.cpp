@@ -61,6 +61,10 @@ std::optional<DepthContradiction> depth_contradiction(std::span<const Camera> ca
       !(agreement.has_other_unit() && agreement.scaled_difference < agreement.read_difference))
     return DepthContradiction{fmt::format("the views' depth contradicts itself, but agrees to {:.1f} % {}",
                                           100 * agreement.read_difference, text_of(agreement.misreading))};
+  if (!agreement.has_other_unit() && agreement.is_contradicted())
+    return DepthContradiction{fmt::format(
+        "the views' depth contradicts itself by {:.0f} %: depth, poses or intrinsics are wrong, or of other photos",
+        100 * agreement.difference)};
   if (!agreement.has_other_unit()) return {};
   return DepthContradiction{fmt::format("the views' depth contradicts itself, but agrees to {:.1f} % as {:.3g} times "
                                         "what it is",

@@ -119,7 +119,7 @@ def digest(path):
         data = file.read_bytes()
         if file.suffix == ".json":
             try:
-                data = json.dumps(without_clock(json.loads(data)), sort_keys=True).encode()
+                data = json.dumps(without_clock(json.loads(data)), sort_keys=True).replace(str(path.parent), "").encode()
             except ValueError:
                 pass
         found[name] = hashlib.sha256(data).hexdigest()

@@ -210,6 +210,17 @@ TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
               ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
 }
 
+TEST_F(TransformsTest, NumbersMayBeTexts) {
+  image("images/a.png");
+  write("transforms.json",
+        R"({"fl_x": "30", "cx": "16", "cy": "12", "w": "32", "h": "24", "frames": [{"file_path": "images/a.png",
+            "transform_matrix": [["0","1","0","1"],["1","0","0","2"],["0","0","-1","3"],["0","0","0","1"]]}]})");
+  expect_one_known_camera(read_capture(folder_));
+  write("transforms.json",
+        R"({"fl_x": "30 px", "frames": [{"file_path": "images/a.png", "transform_matrix": [[1]]}]})");
+  EXPECT_THROW(read_capture(folder_), Error);
+}
+
 /// ScanNet++ keeps the file beside the folders of photos, and says which are bad.
 class ScanNetppTest : public TransformsTest {
  protected:

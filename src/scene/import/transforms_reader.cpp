@@ -54,9 +54,9 @@ Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& fiel
   std::vector<double> m;
   for (const Json& row : matrix) {  // rows, or all numbers in one list
     if (!row.is_array())
-      m.push_back(row.is_number() ? row.get<double>() : NAN);
+      m.push_back(number_of_json(row));
     else
-      for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
+      for (const Json& v : row) m.push_back(number_of_json(v));
   }
   if (m.size() != 16 && m.size() != 12) throw_bad_input(file, field, "expected 4x4 numbers", "correct the matrix");
   return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m, file, field, scale));
