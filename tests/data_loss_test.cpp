@@ -135,12 +135,13 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
   }
   EXPECT_EQ(aligngs("edit " + quoted(run) + " --select wall --delete -o " + quoted(run / "edited")).status, 2);
   const std::string photo = quoted(root_ / "made" / "images" / "view_000.png"), small = " --size 32x32";
-  for (const std::string& options : {"render " + quoted(run) + " --view view_000 -o " + photo + small,
-                                     "render " + quoted(run) + " --path orbit --seconds 0.1 -o " + photo + small,
-                                     "mesh " + quoted(run) + " --pictures " + quoted(root_ / "made" / "images"),
-                                     "mesh " + quoted(run) + " --pictures " + quoted(data() / "images"),
-                                     "export " + quoted(run) + " -f ply -o " + quoted(run / "mesh" / "mesh.ply"),
-                                     "compare " + quoted(run) + " --html " + quoted(root_ / "made" / "page.html")}) {
+  for (const std::string& options :
+       {"render " + quoted(run) + " --view view_000 -o " + photo + small,
+        "render " + quoted(run) + " --path orbit --seconds 0.1 -o " + photo + small,
+        "mesh " + quoted(run) + " --pictures " + quoted(root_ / "made" / "images"),
+        "mesh " + quoted(run) + " --pictures " + quoted(data() / "images"),
+        "export " + quoted(run) + " -f ply -o " + quoted(run / "mesh" / "mesh.ply"),
+        "compare " + quoted(run) + " " + quoted(run) + " --html " + quoted(root_ / "made" / "page.html")}) {
     const ProcessResult result = aligngs(options);
     EXPECT_EQ(result.status, 2) << options << result.err;
   }
@@ -156,7 +157,7 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
         "export " + quoted(run) + " -f ply -o " + quoted(data() / "database.db"),
         "export " + quoted(run) + " -f ply -o " + quoted(root_ / "other" / "scene.ply"),
         "mesh " + quoted(run) + " -o " + quoted(root_ / "other" / "scene.ply"),
-        "compare " + quoted(run) + " --csv " + quoted(root_ / "rooms.tsv")}) {
+        "compare " + quoted(run) + " " + quoted(run) + " --csv " + quoted(root_ / "rooms.tsv")}) {
     write_file_atomically(data() / "sparse" / "points3D.ply", "points of somebody");
     const ProcessResult result = aligngs(options);
     EXPECT_EQ(result.status, 2) << options << result.err;
@@ -175,6 +176,24 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_TRUE(read_file(run / "scene.ply") == trained.at("scene.ply"));
   EXPECT_TRUE(fs::exists(run / "scene.export.ply"));
+}
+
+TEST_F(DataLoss, ComparisonsReplaceTheirOwnFilesAlone) {
+  const fs::path run = root_ / "run";
+  ASSERT_EQ(aligngs("train " + quoted(root_ / "made") + " -n 2 -o " + quoted(run)).status, 0);
+  ASSERT_EQ(aligngs("eval " + quoted(run)).status, 0);
+  const std::string compare = "compare " + quoted(run) + " " + quoted(run);
+  write_file_atomically(data() / "results.csv", "run,psnr\nmine,31\n");
+  write_file_atomically(data() / "page.html", "<!doctype html><title>of somebody</title>");
+  before_ = contents(data());
+  expect_refused(compare + " --csv " + quoted(data() / "results.csv"), "never replaced");
+  expect_refused(compare + " --csv " + quoted(data() / "sparse" / "results.csv"), "data set");
+  expect_refused(compare + " --html " + quoted(data() / "page.html"), "never replaced");
+  for (int again = 0; again < 2; ++again) {
+    const ProcessResult result =
+        aligngs(compare + " --csv " + quoted(data() / "own.csv") + " --html " + quoted(data() / "own.html"));
+    EXPECT_EQ(result.status, 0) << result.err;
+  }
 }
 
 }  // namespace

@@ -64,6 +64,10 @@ void BatchFolder::prepare(const Batch& batch) const {
                    "name a new or empty folder"});
     }
   }
+  const std::string old = fs::exists(list(), error) ? read_file(list(), kLargestList) : "";
+  if (!old.empty() && old.find("\"rooms\"") == std::string::npos)
+    throw Error({ErrorKind::kUsage, "this list was not written by aligngs: it is never replaced", list(), "-o",
+                 "name a new or empty folder"});
   for (const RoomEntry& room : batch.rooms) {
     if (!room.synthetic() && fs::is_directory(batch.source_of(room), error))
       require_apart(run(room.name), {batch.source_of(room)});
@@ -74,7 +78,7 @@ void BatchFolder::prepare(const Batch& batch) const {
       throw_resources(folder_ / part, "cannot be created: " + error.message(), remedy_for_write(error.value()));
   }
   const std::string text = json_document(to_json(batch));
-  if (!fs::exists(list(), error) || read_file(list(), kLargestList) != text) write_file_atomically(list(), text);
+  if (old != text) write_file_atomically(list(), text);
 }
 
 Batch BatchFolder::read() const {

@@ -160,6 +160,13 @@ TEST_F(WorkerTest, AFolderWithOtherFilesIsRefused) {
   EXPECT_THROW(work(), Error);
 }
 
+TEST_F(WorkerTest, AListOfSomebodyIsNeverReplaced) {
+  const fs::path list = base_ / "mine" / "list.json";
+  write_file_atomically(list, R"({"mine": 1})");
+  EXPECT_THROW(BatchFolder(list.parent_path()).prepare(Batch{}), Error);
+  EXPECT_EQ(read_file(list), R"({"mine": 1})");
+}
+
 TEST_F(WorkerTest, TheListComesBackFromTheFolder) {
   add("good");
   batch_.rooms[0].options = {"--set", "a=1 2"};

@@ -43,18 +43,19 @@ nlohmann::ordered_json comparison_json(const std::vector<RunScores>& runs) {
 }
 
 void compare(const CommandContext& context, const CompareOptions& options) {
+  require_extension(options.csv, "csv");
+  require_extension(options.html, "html");
+  const auto require_place = [&](const std::string& file, const std::string& own_beginning) {
+    if (file.empty()) return;
+    require_file_place(file);
+    for (const std::string& run : options.runs) RunFolder(run).require_not_of_run(file, {}, own_beginning);
+  };
+  require_place(options.csv, comparison_csv({}));  // its header
+  require_place(options.html, {});
   std::vector<RunScores> runs;
   for (const std::string& folder : options.runs) runs.push_back(read_run_scores(folder));
   name_apart(runs);
   for (const std::string& warning : comparison_warnings(runs)) log_warning("{}", warning);
-  require_extension(options.csv, "csv");
-  require_extension(options.html, "html");
-  for (const std::string& file : {options.csv, options.html}) {
-    if (!file.empty()) require_file_place(file);
-    for (const std::string& run : options.runs) {
-      if (!file.empty()) RunFolder(run).require_not_of_run(file);
-    }
-  }
   if (!options.csv.empty()) write_file_atomically(options.csv, comparison_csv(runs));
   if (!options.html.empty()) write_file_atomically(options.html, comparison_page(runs));
   if (context.global.json) {

@@ -42,7 +42,7 @@ struct ColmapModel {
   std::vector<ColmapImage> images;
   std::vector<ColmapPoint> points;
   std::vector<LeftOut> left_out;  ///< images of the files that cannot be used: no finite pose, no camera, listed twice
-  size_t points_left_out = 0;     ///< without a finite position, or beyond 1e18
+  size_t points_left_out = 0;     ///< without a finite position, beyond 1e18, or far_outliers()
 };
 
 /// Reads cameras, images, points3D from a folder. A whole model of .bin is preferred over one of .txt, and a points3D.ply

@@ -246,6 +246,22 @@ TEST(Colmap, PointsThatAreNotFiniteAreCounted) {
   EXPECT_EQ(model.points_left_out, 1u);
 }
 
+TEST(Colmap, CamerasAndPointsBeyondAllOthersAreLeftOut) {
+  std::string images, points;
+  for (int i = 1; i <= 6; ++i) {
+    images += std::to_string(i) + " 1 0 0 0 " + (i == 2 ? "1e8" : "0." + std::to_string(i)) + " 0 0 7 " +
+              std::to_string(i) + ".jpg\n";
+    points += std::to_string(i) + " 0 " + (i == 5 ? "-1e9" : "0." + std::to_string(i)) + " 0 1 2 3 0.5\n";
+  }
+  const fs::path folder = text_model("far", kCamerasText, images);
+  write_file_atomically(folder / "points3D.txt", points);
+  const ColmapModel model = read_colmap_model(folder);
+  ASSERT_EQ(model.left_out.size(), 1u);
+  EXPECT_EQ(model.left_out[0].name, "2.jpg");
+  EXPECT_EQ(model.images.size(), 5u);
+  EXPECT_EQ(model.points_left_out, 1u);
+}
+
 TEST(Colmap, SecondLinesMayBeMissing) {
   const ColmapModel model =
       read_colmap_model(text_model("second", kCamerasText,

@@ -4,8 +4,12 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
+#include "core/far_outliers.h"
+#include "core/rigid.h"
 
 namespace aligngs {
 namespace {
@@ -38,6 +42,29 @@ void require_valid_image(const ColmapImage& image, const fs::path& name) {
   }
   constexpr double kLeastLength = 1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
   if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kColmapRemedy);
+}
+
+/// Removes the items that are marked; returns how many.
+template <class Item>
+size_t erase_marked(std::vector<Item>& items, const std::vector<bool>& marked) {
+  size_t kept = 0;
+  for (size_t i = 0; i < items.size(); ++i) {
+    if (!marked[i] && kept++ != i) items[kept - 1] = std::move(items[i]);
+  }
+  const size_t erased = items.size() - kept;
+  items.erase(items.begin() + static_cast<std::ptrdiff_t>(kept), items.end());
+  return erased;
+}
+
+void leave_out_far_cameras(ColmapModel& model) {
+  std::vector<Vec3d> centres;
+  for (const ColmapImage& image : model.images)
+    centres.push_back(Rigidd{rotation_matrix(normalized(image.rotation)), image.translation}.inverse().translation);
+  const std::vector<bool> far = far_outliers(centres);
+  for (size_t i = 0; i < far.size(); ++i) {
+    if (far[i]) model.left_out.push_back({model.images[i].name, kFarFromOthers, kFarFromOthersRemedy});
+  }
+  erase_marked(model.images, far);
 }
 
 }  // namespace
@@ -96,12 +123,16 @@ void leave_out_invalid(ColmapModel& model, const fs::path& cameras, const fs::pa
     });
   }
   model.images = std::move(good);
+  leave_out_far_cameras(model);
   // Beyond it, lengths overflow in single precision.
   constexpr double kFarthest = 1e18;
   model.points_left_out = std::erase_if(model.points, [](const ColmapPoint& point) {
     const Vec3d& p = point.position;
     return !(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest);
   });
+  std::vector<Vec3d> places;
+  for (const ColmapPoint& point : model.points) places.push_back(point.position);
+  model.points_left_out += erase_marked(model.points, far_outliers(places));
 }
 
 }  // namespace aligngs

@@ -9,7 +9,9 @@
 #include "core/error.h"
 #include "io/image_file.h"
 #include "scene/import/capture.h"
+#include "scene/import/transforms_place.h"
 #include "scene/photo_lookup.h"
+#include "scene/photo_places.h"
 
 namespace aligngs {
 
@@ -41,7 +43,11 @@ fs::path find_given_cameras(const fs::path& photos, const fs::path& given) {
   const fs::path folder = fs::absolute(photos).lexically_normal() / "";
   const fs::path above = folder.parent_path().parent_path();
   for (const fs::path& place : {folder.parent_path(), above}) {
-    if (has_cameras(place)) return place;
+    if (!has_cameras(place)) continue;
+    if (fits_other_cameras(folder.parent_path()) && !transforms_place(place, folder.parent_path()).undistorted)
+      throw_bad_input(photos, "--method given", "these photos are undistorted, and the cameras beside them are not",
+                      "give resized_images/, or say where their cameras are with --cameras");
+    return place;
   }
   throw_bad_input(photos, "--method given", fmt::format("no cameras are here or in {}", above.string()),
                   "put sparse/ (COLMAP) or transforms.json beside the photos, or say where with --cameras");

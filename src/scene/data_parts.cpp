@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPathLevels = 4;  // folders above an output: a data set's deepest parts are D/colmap/sparse/0
-constexpr std::array<std::string_view, 20> kParts = {"images",
+constexpr std::array<std::string_view, 22> kParts = {"images",
                                                      "depth",
                                                      "depths",
                                                      "depth_filtered",
@@ -37,7 +37,9 @@ constexpr std::array<std::string_view, 20> kParts = {"images",
                                                      "pred_depths",
                                                      "pred_confidence",
                                                      "segmentation_logits",
-                                                     "segments"};
+                                                     "segments",
+                                                     "resized_images",
+                                                     "resized_undistorted_images"};
 
 /// Whether `name` is `beginning` and a number, as images_4 and seq-01 are.
 bool is_numbered(std::string_view name, std::string_view beginning) {

@@ -119,6 +119,12 @@ bool DepthAgreement::has_other_unit() const {
   return difference > kContradiction && explains(scaled_difference, scaled_samples, *this);
 }
 
+bool DepthAgreement::is_contradicted() const {
+  constexpr size_t kEnough = 500;  // samples; occlusions decide where views share less
+  constexpr double kByFar = 0.12;  // relative: good depth of sensors and networks stays below 0.05
+  return samples >= kEnough && difference > kByFar;
+}
+
 DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const ImageF> depths) {
   const std::vector<size_t> views = chosen_views(cameras.size());
   std::vector<DepthSample> samples;

@@ -27,6 +27,8 @@ struct DepthAgreement {
   double read_difference = 0;  ///< the difference then
   /// Whether another unit explains what the depth as it is contradicts.
   bool has_other_unit() const;
+  /// Whether the depth as it is contradicts itself by far, explained or not.
+  bool is_contradicted() const;
 };
 
 /// Compares samples of each view with the views that see the same place. `cameras[i]` has the size of `depths[i]`, where

@@ -80,6 +80,17 @@ TEST(DepthAgreement, MatricesOfAnotherConventionAreTold) {
   EXPECT_EQ(told([&](const Rigidd& pose) { return (turn * pose).inverse(); }), PoseMisreading::kInverted);
 }
 
+/// No factor and no reading explains depth of other views.
+TEST(DepthAgreement, DepthOfOtherViewsIsContradicted) {
+  BoxViews box(1);
+  EXPECT_FALSE(depth_agreement(box.cameras, box.depths).is_contradicted());
+  for (ImageF& depth : box.depths) {
+    for (size_t i = 0; i < depth.data.size(); ++i) depth.data[i] = i % 48 < 24 ? 1.f : 3.f;
+  }
+  const DepthAgreement agreement = depth_agreement(box.cameras, box.depths);
+  EXPECT_TRUE(agreement.is_contradicted()) << agreement.difference << ' ' << agreement.samples;
+}
+
 /// Some factor always fits by chance where hardly any place is seen twice.
 TEST(DepthAgreement, ViewsThatShareHardlyAnythingTellNothing) {
   const BoxViews box(1, 0.6, 60);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/far_outliers.h"
 #include "io/atomic_file.h"
 #include "io/ply.h"
 
@@ -208,17 +209,24 @@ CloudFile read_cloud_file(const std::filesystem::path& path) {
   const Columns3 xyz = positions_of(vertices, path);
   const std::vector<Vec3f> normals = read_normals(vertices), colors = read_colors(vertices);
   CloudFile out;
+  std::vector<size_t> rows;
+  std::vector<Vec3d> places;
   for (size_t i = 0; i < vertices.count; ++i) {
     const Vec3d position = xyz.row(i);
-    if (!std::isfinite(norm(position.cast<float>()))) {
-      ++out.left_out;
-      continue;
-    }
-    out.positions.push_back(position);
-    out.cloud.positions.push_back(position.cast<float>());
+    if (!std::isfinite(norm(position.cast<float>()))) continue;
+    rows.push_back(i);
+    places.push_back(position);
+  }
+  const std::vector<bool> far = far_outliers(places);
+  for (size_t k = 0; k < rows.size(); ++k) {
+    if (far[k]) continue;
+    const size_t i = rows[k];
+    out.positions.push_back(places[k]);
+    out.cloud.positions.push_back(places[k].cast<float>());
     out.cloud.colors.push_back(colors.empty() ? Vec3f{0.5f, 0.5f, 0.5f} : colors[i]);  // mid grey: colour unknown
     if (!normals.empty()) out.cloud.normals.push_back(normals[i]);
   }
+  out.left_out = vertices.count - out.positions.size();
   return out;
 }
 

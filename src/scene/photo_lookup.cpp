@@ -226,7 +226,8 @@ PhotoLookup photos_of_data_set(const fs::path& folder) {
   std::vector<fs::path> subfolders;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->is_directory(error) && !is_hidden(entry->path()) && entry->path().filename() != kMaskFolder)
+    if (entry->is_directory(error) && !is_hidden(entry->path()) && entry->path().filename() != kMaskFolder &&
+        !fits_other_cameras(entry->path()))
       subfolders.push_back(entry->path());
   }
   return PhotoLookup({}, folder, std::move(subfolders));

@@ -39,6 +39,7 @@ class PhotoLookup {
     std::string problem;         ///< why not: missing, or which files it could be
   };
   Answer find(const std::string& name) const;
+  const std::filesystem::path& photos() const { return photos_; }
   /// Whether it failed because several files could be meant.
   static bool is_ambiguous(const Answer& answer);
 

@@ -15,7 +15,13 @@ fs::path images_folder(const fs::path& folder) {
     const fs::path shrunk = folder / ("images_" + std::to_string(divisor));
     if (fs::is_directory(shrunk, error)) return shrunk;
   }
-  return {};
+  const fs::path scannetpp = folder / "resized_images";
+  return fs::is_directory(scannetpp, error) ? scannetpp : fs::path();
+}
+
+bool fits_other_cameras(const fs::path& photos) {
+  const std::string name = photos.filename().string();
+  return name == "resized_undistorted_images" || name.ends_with("_masks");
 }
 
 fs::path data_set_around(const fs::path& folder) {

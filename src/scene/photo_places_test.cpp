@@ -26,6 +26,13 @@ TEST_F(PhotoPlaces, TheLargestShrunkPhotosStandForMissingOnes) {
   EXPECT_EQ(images_folder(folder_), folder_ / "images");
 }
 
+TEST_F(PhotoPlaces, PhotosOfScanNetppAreThoseOfItsModel) {
+  for (const char* name : {"resized_images", "resized_undistorted_images"}) fs::create_directories(folder_ / name);
+  EXPECT_EQ(images_folder(folder_), folder_ / "resized_images");
+  EXPECT_TRUE(fits_other_cameras(folder_ / "resized_undistorted_images"));
+  EXPECT_FALSE(fits_other_cameras(folder_ / "resized_images"));
+}
+
 TEST_F(PhotoPlaces, TheModelOfADataSetNamesTheDataSet) {
   EXPECT_EQ(data_set_around(folder_ / "sparse" / "0"), "");
   EXPECT_THAT(missing_photos_remedy(folder_ / "sparse"), testing::HasSubstr("into images/"));

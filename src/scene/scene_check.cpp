@@ -36,7 +36,8 @@ struct ViewFindings {
   std::vector<SceneProblem> problems;
   double sharpness = -1, luminance = -1;  ///< negative: the image could not be read
   bool has_semantics = false;
-  bool score_like = false;  ///< all semantic values lie in [0, 2]
+  bool score_like = false;   ///< all semantic values lie in [0, 2]
+  bool other_depth = false;  ///< its depth has another unit than its points, or is no depth
 };
 
 void add(ViewFindings& findings, const fs::path& path, const char* field, std::string message, std::string remedy,
@@ -105,6 +106,7 @@ void check_depth(const Scene& scene, const View& view, ViewFindings& findings) {
   depth.channels = 1;
   depth.data = std::move(array.data);
   const DisparityEvidence evidence = disparity_evidence(scene.cloud, view.camera, depth);
+  findings.other_depth = evidence.is_disparity() || evidence.has_other_unit();
   if (evidence.is_disparity()) {
     add(findings, view.prior_depth, "values",
         fmt::format("larger values are nearer (rank correlation {:.2f} with the depth of {} points): this is "
@@ -279,8 +281,12 @@ std::vector<SceneProblem> check_scene(const Scene& scene) {
   }
   compare_images(scene, used, findings, problems);
   check_semantic_kind(scene, findings, problems);
-  std::vector<SceneProblem> geometry = check_geometry(scene);
-  std::move(geometry.begin(), geometry.end(), std::back_inserter(problems));
+  const bool depth_is_told = std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.other_depth; });
+  for (const auto& check : {depth_is_told ? nullptr : check_depth_of_views, check_geometry}) {
+    if (!check) continue;
+    std::vector<SceneProblem> found = check(scene);
+    std::move(found.begin(), found.end(), std::back_inserter(problems));
+  }
   return problems;
 }
 

@@ -24,6 +24,13 @@ struct DisparityEvidence {
 };
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
 
+/// SceneProblem::field of the warning about depth that contradicts cameras or points (depth_contradiction.h). An importer,
+/// which has asked the same of the depth before, leaves it out.
+inline constexpr const char* kDepthOfViews = "depth of the views";
+
+/// At most one warning: the depth of the training views together contradicts cameras, points or the size of rooms.
+std::vector<SceneProblem> check_depth_of_views(const Scene& scene);
+
 /// Warnings from cameras and points alone: views that see few points or share few with any other view, cameras
 /// that are (nearly) in one place.
 std::vector<SceneProblem> check_geometry(const Scene& scene);

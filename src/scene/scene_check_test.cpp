@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "scene/image_quality.h"
 #include "scene/scene_folder_for_tests.h"
@@ -152,6 +153,24 @@ TEST(CheckScene, DepthInMillimetresIsAWarning) {
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_FALSE(problems[0].fatal);
   EXPECT_NE(problems[0].message.find("1e+03 times"), std::string::npos) << problems[0].message;
+}
+
+/// Below what one view's points tell, all views together tell it.
+TEST(CheckScene, DepthOfAllViewsInAnotherUnitIsOneWarning) {
+  const fs::path folder = write_scene();
+  for (const char* view : {"v0", "v1", "v2"}) write_depth(folder, view, [](float z) { return 2 * z; });
+  const auto problems = problems_of(folder);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+  EXPECT_EQ(problems[0].field, kDepthOfViews);
+  EXPECT_NE(problems[0].message.find("2 times the distance of the points"), std::string::npos) << problems[0].message;
+}
+
+TEST(CheckScene, DepthOfItsOwnScaleMayHaveAnyUnit) {
+  const fs::path folder = write_scene();
+  for (const char* view : {"v0", "v1", "v2"}) write_depth(folder, view, [](float z) { return 2 * z; });
+  write_file_atomically(folder / "priors.json", R"({"depth": {"model": "m", "scale": "own"}})");
+  for (const SceneProblem& p : problems_of(folder)) EXPECT_NE(p.field, kDepthOfViews) << p.message;
 }
 
 TEST(CheckScene, ConstantDepthIsAWarning) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -29,13 +30,29 @@ bool is_one_of(std::string ending, std::initializer_list<std::string_view> endin
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
+/// The first bytes of a file, at most `count`.
+std::string first_bytes(const fs::path& file, size_t count) {
+  std::string bytes(count, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(bytes.data(), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<size_t>(in.gcount()));
+  return bytes;
+}
+
+/// Pages of runs, of comparisons and of exports name the program in their titles.
+bool is_own_page(const fs::path& file) {
+  constexpr size_t kHead = 4096;  // bytes
+  const std::string head = first_bytes(file, kHead);
+  return head.empty() || head.find("<title>aligngs") != std::string::npos;
+}
+
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
   throw Error({ErrorKind::kUsage, what, file, "output", "name another file"});
 }
 
 }  // namespace
 
-void require_replaceable(const fs::path& file) {
+void require_replaceable(const fs::path& file, std::string_view own_beginning) {
   std::error_code error;
   const bool there = fs::is_regular_file(file, error);
   if (there && ::access(file.c_str(), W_OK) != 0)
@@ -44,6 +61,11 @@ void require_replaceable(const fs::path& file) {
   const std::string ending = file.extension().string();
   if (there && is_one_of(ending, {".png", ".jpg", ".jpeg", ".webp", ".mp4", ".mov"}) && !has_drawn_mark(file))
     refuse(file, "this picture or video was not drawn by aligngs: it is never replaced");
+  if (there && is_one_of(ending, {".html", ".htm"}) && !is_own_page(file))
+    refuse(file, "this page was not written by aligngs: it is never replaced");
+  const bool own = there && !own_beginning.empty() && first_bytes(file, own_beginning.size()) == own_beginning;
+  if (there && !own_beginning.empty() && !own)
+    refuse(file, "this file does not begin as those of aligngs do: it is never replaced");
   const fs::path place = real_place(file);
   fs::path folder = place.parent_path();
   for (int level = 0; level < kPathLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {
@@ -54,8 +76,9 @@ void require_replaceable(const fs::path& file) {
     }
     if (is_own_scene(folder)) refuse(file, "this place belongs to the scene " + folder.string() + kNothingElse);
     const fs::path first = *place.lexically_relative(folder).begin();
-    const bool owned = level > 0 ? there || is_data_part(folder / first)
-                                 : there && is_one_of(ending, {".ply", ".obj", ".json", ".txt", ".csv"});
+    const bool foreign = there && !own;
+    const bool owned = level > 0 ? foreign || is_data_part(folder / first)
+                                 : foreign && is_one_of(ending, {".ply", ".obj", ".json", ".txt", ".csv"});
     if (owned && recognise_layout(folder) != nullptr)
       refuse(file, "this place belongs to the data set " + folder.string() + kNothingElse);
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -29,9 +30,13 @@ class ReplaceableFile : public testing::Test {
     std::ofstream(base_ / name) << "x";
     return base_ / name;
   }
-  static bool free(const fs::path& file) {
+  fs::path written(const fs::path& name, const std::string& content) const {
+    write_file_atomically(written(name), content);
+    return base_ / name;
+  }
+  static bool free(const fs::path& file, std::string_view own_beginning = {}) {
     try {
-      require_replaceable(file);
+      require_replaceable(file, own_beginning);
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kUsage);
       return false;
@@ -82,6 +87,21 @@ TEST_F(ReplaceableFile, FilesOfADataSetAreNotButExportsBesideThemAre) {
   EXPECT_TRUE(free(base_ / "data" / "meshes" / "new.ply"));
   EXPECT_FALSE(free(base_ / "data" / "sparse" / "0" / "new.ply")) << "a file more would be part of the data set";
   EXPECT_FALSE(free(base_ / "data" / "images" / "renders"));
+}
+
+TEST_F(ReplaceableFile, ATableIsFreeIfItBeginsAsTheProgramsOwn) {
+  for (const char* file : {"data/sparse/0/cameras.txt", "data/sparse/0/images.txt", "data/images/a.jpg"}) written(file);
+  for (const char* place : {"own.csv", "data/own.csv", "data/tables/own.csv"})
+    EXPECT_TRUE(free(written(place, "run,psnr\none,30\n"), "run,psnr\n")) << place;
+  for (const char* place : {"other.csv", "data/other.csv", "data/tables/other.csv"})
+    EXPECT_FALSE(free(written(place, "run,psnr,notes\n"), "run,psnr\n")) << place;
+  EXPECT_FALSE(free(written("data/sparse/0/own.csv", "run,psnr\n"), "run,psnr\n")) << "part of the data set";
+  EXPECT_TRUE(free(base_ / "absent.csv", "run,psnr\n"));
+}
+
+TEST_F(ReplaceableFile, APageIsFreeIfItsTitleNamesTheProgram) {
+  EXPECT_TRUE(free(written("own.html", "<!doctype html><title>aligngs: comparison</title>")));
+  EXPECT_FALSE(free(written("recipe.HTM", "<!doctype html><title>Soup</title>")));
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ void RunFolder::require_apart_from(const fs::path& source) const {
                "-o", "name a folder outside of the source"});
 }
 
-void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) const {
+void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene, std::string_view own_beginning) const {
   std::vector<fs::path> owned;
   if (!scene.empty()) owned.push_back(scene);
   if (has_run()) {
@@ -78,7 +78,7 @@ void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) 
   }
   const bool own = wrote(file) || std::any_of(owned.begin(), owned.end(),
                                               [&](const fs::path& place) { return lies_within(file, place); });
-  if (!own) return require_replaceable(file);
+  if (!own) return require_replaceable(file, own_beginning);
   throw Error({ErrorKind::kUsage, "this file belongs to the run or to its scene: it is never replaced", file, "output",
                "name another file"});
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace aligngs {
 
@@ -39,8 +40,9 @@ class RunFolder {
   void require_apart_from(const std::filesystem::path& source) const;
   /// Error{kUsage} where `file` is of the run's training or stages, or lies in its scene. The scene is RUN/scene, the
   /// one of run.json, or `scene`, which may be empty. Files of `export` may be replaced. Files of other runs, scenes and
-  /// data sets may not (replaceable_file.h).
-  void require_not_of_run(const std::filesystem::path& file, const std::filesystem::path& scene = {}) const;
+  /// data sets may not (replaceable_file.h, which says what `own_beginning` means).
+  void require_not_of_run(const std::filesystem::path& file, const std::filesystem::path& scene = {},
+                          std::string_view own_beginning = {}) const;
   /// check(), then creates the folder, removes a previous run (kOverwrite) and temporary files of killed writers.
   void prepare(RunMode mode) const;
 

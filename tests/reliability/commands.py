@@ -114,12 +114,12 @@ def digest(path):
     files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file()) if path.exists() else []
     for file in files:
         name = str(file.relative_to(path)) if file != path else ""
-        if any(part in NOT_COMPARED for part in file.parts[len(path.parts):]) or file.suffix == ".csv" or ".tmp-" in file.name:
+        if any(part in NOT_COMPARED for part in file.parts[len(path.parts):]) or file.name == "results.csv" or ".tmp-" in file.name:
             continue
         data = file.read_bytes()
         if file.suffix == ".json":
             try:
-                data = json.dumps(without_clock(json.loads(data)), sort_keys=True).encode()
+                data = json.dumps(without_clock(json.loads(data)), sort_keys=True).replace(str(path.parent), "").encode()
             except ValueError:
                 pass
         found[name] = hashlib.sha256(data).hexdigest()

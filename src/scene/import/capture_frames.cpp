@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/far_outliers.h"
 #include "core/letter_case.h"
 #include "io/image_file.h"
 #include "io/text_encoding.h"
@@ -123,6 +124,20 @@ void leave_out_without_depth(Capture& capture) {
           {frame.name, "its depth is missing", "add the depth image, or remove the folder of depth to go without"});
   }
   std::erase_if(capture.frames, without);
+}
+
+void leave_out_far_cameras(Capture& capture) {
+  std::vector<Vec3d> centres;
+  for (const CapturedFrame& frame : capture.frames) centres.push_back(frame.world_to_camera.inverse().translation);
+  const std::vector<bool> far = far_outliers(centres);
+  std::vector<CapturedFrame> kept;
+  for (size_t i = 0; i < far.size(); ++i) {
+    if (far[i])
+      capture.left_out.push_back({capture.frames[i].name, kFarFromOthers, kFarFromOthersRemedy});
+    else
+      kept.push_back(std::move(capture.frames[i]));
+  }
+  capture.frames = std::move(kept);
 }
 
 }  // namespace
@@ -281,6 +296,7 @@ void shorten_names(Capture& capture) {
 void finish_capture(Capture& capture) {
   for (CapturedFrame& frame : capture.frames) frame.name = as_utf8(frame.name);
   leave_out_repeated(capture);
+  leave_out_far_cameras(capture);
   note_no_depth(capture);
   leave_out_without_depth(capture);
   leave_out_eight_bits(capture);

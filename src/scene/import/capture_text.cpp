@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -22,7 +23,7 @@ std::vector<double> read_numbers(const fs::path& file) {
   size_t line = 1;
   for (const char* p = text.c_str(); *p;) {
     if (*p == '\n') ++line;
-    if (std::isspace(static_cast<unsigned char>(*p)) || *p == ',') {
+    if (std::isspace(static_cast<unsigned char>(*p)) || std::strchr(",;[]()", *p)) {  // numpy writes brackets
       ++p;
       continue;
     }
@@ -54,7 +55,9 @@ std::vector<std::string> read_name_list(const fs::path& file) {
     if (line.empty() || line[0] == '#') continue;
     while (!line.empty()) {
       const size_t comma = line.find(',');
-      const std::string_view name = trimmed(line.substr(0, comma));
+      std::string_view name = trimmed(line.substr(0, comma));
+      const bool quoted = name.size() >= 2 && name.front() == name.back() && (name[0] == '"' || name[0] == '\'');
+      if (quoted) name = name.substr(1, name.size() - 2);
       if (!name.empty()) names.emplace_back(name);
       line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
     }

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "scene/import/capture_folder_for_tests.h"
+#include "scene/photo_lookup.h"
 
 namespace aligngs {
 namespace {
@@ -207,6 +208,66 @@ TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
   EXPECT_EQ(capture.frames[0].name, "b");
   EXPECT_THAT(reasons(capture),
               ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
+}
+
+TEST_F(TransformsTest, NumbersMayBeTexts) {
+  image("images/a.png");
+  write("transforms.json",
+        R"({"fl_x": "30", "cx": "16", "cy": "12", "w": "32", "h": "24", "frames": [{"file_path": "images/a.png",
+            "transform_matrix": [["0","1","0","1"],["1","0","0","2"],["0","0","-1","3"],["0","0","0","1"]]}]})");
+  expect_one_known_camera(read_capture(folder_));
+  write("transforms.json",
+        R"({"fl_x": "30 px", "frames": [{"file_path": "images/a.png", "transform_matrix": [[1]]}]})");
+  EXPECT_THROW(read_capture(folder_), Error);
+}
+
+/// ScanNet++ keeps the file beside the folders of photos, and says which are bad.
+class ScanNetppTest : public TransformsTest {
+ protected:
+  void write_dslr(const std::string& photos, const std::string& masks, const std::string& file) {
+    for (const char* name : {"a.png", "b.png", "c.png"}) image("dslr/" + photos + "/" + name);
+    for (const char* name : {"a.png", "c.png"}) image("dslr/" + masks + "/" + name);
+    write("dslr/nerfstudio/" + file,
+          fmt::format(R"({{"fl_x": 30, "w": 32, "h": 24, "camera_model": "OPENCV", "has_mask": true, "frames": [
+          {{"file_path": "a.png", "mask_path": "a.png", "is_bad": false, "transform_matrix": {0}}},
+          {{"file_path": "b.png", "is_bad": true, "transform_matrix": {0}}}], "test_frames": [
+          {{"file_path": "c.png", "mask_path": "c.png", "transform_matrix": {0}}}]}})",
+                      kMatrix));
+  }
+};
+
+TEST_F(ScanNetppTest, ItsPhotosAndMasksAreFound) {
+  write_dslr("resized_images", "resized_anon_masks", "transforms.json");
+  write_dslr("resized_undistorted_images", "resized_undistorted_masks", "transforms_undistorted.json");
+  for (const fs::path& place :
+       {folder_ / "dslr", folder_ / "dslr" / "nerfstudio", folder_ / "dslr" / "nerfstudio" / ""}) {
+    const Capture capture = read_capture(place);
+    ASSERT_EQ(capture.frames.size(), 2u) << place;
+    EXPECT_EQ(capture.frames[0].image.lexically_normal(), folder_ / "dslr" / "resized_images" / "a.png");
+    EXPECT_EQ(capture.frames[0].mask.lexically_normal(), folder_ / "dslr" / "resized_anon_masks" / "a.png");
+    EXPECT_THAT(capture.test, ElementsAre("c"));
+    EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("is_bad")));
+    EXPECT_TRUE(capture.notes.empty());
+  }
+}
+
+TEST_F(ScanNetppTest, GivenPhotosChooseTheirCameras) {
+  write_dslr("resized_images", "resized_anon_masks", "transforms.json");
+  write_dslr("resized_undistorted_images", "resized_undistorted_masks", "transforms_undistorted.json");
+  const fs::path dslr = folder_ / "dslr";
+  for (const char* kind : {"resized", "resized_undistorted"}) {
+    const fs::path photos = dslr / (std::string(kind) + "_images");
+    const Capture capture = read_transforms(dslr, PhotoLookup(photos, dslr));
+    EXPECT_EQ(capture.frames[0].image.parent_path(), photos);
+    EXPECT_EQ(capture.frames[0].mask.parent_path().filename().string().rfind(kind, 0), 0u) << capture.frames[0].mask;
+  }
+}
+
+TEST_F(ScanNetppTest, UndistortedPhotosAloneAreReadWithTheirCameras) {
+  write_dslr("resized_undistorted_images", "resized_undistorted_masks", "transforms_undistorted.json");
+  const Capture capture = read_capture(folder_ / "dslr");
+  ASSERT_EQ(capture.frames.size(), 2u);
+  EXPECT_EQ(capture.frames[0].mask.lexically_normal(), folder_ / "dslr" / "resized_undistorted_masks" / "a.png");
 }
 
 TEST_F(TransformsTest, BlendersFilesAreReadWithTheirSplit) {

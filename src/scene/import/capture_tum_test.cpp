@@ -96,6 +96,27 @@ TEST_F(TumTest, CommasBetweenTheNumbersOfAPoseAreBlanks) {
               ElementsAre(0, 1));
 }
 
+TEST_F(TumTest, TablesOfSpreadsheetsHaveAHeaderAndCommas) {
+  image("rgb/a.png");
+  image("rgb/b.png");
+  EXPECT_THAT(places(read("1.0 rgb/a.png\n2.0 rgb/b.png\n",
+                          "timestamp,tx,ty,tz,qx,qy,qz,qw\n1.0,0,0,0,0,0,0,1\n2.0,1,0,0,0,0,0,1\n")),
+              ElementsAre(0, 1));
+}
+
+TEST_F(TumTest, ACameraBeyondAllOthersIsLeftOut) {
+  std::string colors, poses;
+  for (int i = 1; i <= 5; ++i) {
+    image(fmt::format("rgb/{}.png", i));
+    colors += fmt::format("{0}.0 rgb/{0}.png\n", i);
+    poses += fmt::format("{}.0 {} 0 0 0 0 0 1\n", i, i == 4 ? 3e6 : i);
+  }
+  const Capture capture = read(colors, poses);
+  EXPECT_THAT(places(capture), ElementsAre(1, 2, 3, 5));
+  ASSERT_EQ(capture.left_out.size(), 1u);
+  EXPECT_THAT(capture.left_out[0].reason, HasSubstr("beyond all others"));
+}
+
 TEST_F(TumTest, TimesOfAnotherClockOrUnitAreNamed) {
   image("rgb/a.png");
   try {

@@ -83,7 +83,10 @@ TEST_F(UnpackedTest, AVideoIsSentToRun) {
 }
 
 TEST_F(UnpackedTest, ExportsOfOtherProgramsAreNamed) {
-  for (const auto& [file, name] : {std::pair{"reconstruction.json", "OpenSfM"}, {"cfg_args", "Gaussian splats"}}) {
+  for (const auto& [file, name] : {std::pair{"reconstruction.json", "OpenSfM"},
+                                   {"cfg_args", "Gaussian splats"},
+                                   {"meta_data.json", "SDFStudio"},
+                                   {"cameras.json", "Gaussian splats"}}) {
     write(file, "x");
     EXPECT_THAT(error_of_reading(), HasSubstr(name));
     std::filesystem::remove(folder_ / file);

@@ -18,6 +18,7 @@
 #include "scene/photo_fit.h"
 #include "scene/photo_mask.h"
 #include "scene/prior_maps.h"
+#include "scene/scene_check.h"
 #include "scene/scene_writer.h"
 #include "scene/undistort.h"
 #include "scene/up_direction.h"
@@ -279,6 +280,7 @@ void check_as_training_does(const fs::path& folder, SplitJson& split, ImportRepo
   const std::vector<SceneProblem> problems = leave_out_bad_views(scene, check_scene(scene));
   for (const SceneProblem& problem : problems) {
     if (problem.fatal) throw_bad_input(problem.path, problem.field, problem.message, problem.remedy);
+    if (problem.field == kDepthOfViews) continue;  // SensorCloud has asked, and tells the unit of the files
     const std::string place = problem.path.lexically_relative(folder).generic_string();
     report.warnings.push_back((place == "." ? "" : place + ": ") + problem.message);
   }

@@ -181,7 +181,7 @@ TEST_F(ImportCaptureTest, EqualNamesInSubfoldersAndResizedPhotosAreOneFolderWith
 }
 
 TEST_F(ImportCaptureTest, ListsAreSplitAtLineEndsAndCommas) {
-  write_file_atomically(folder / "list.txt", "a b.jpg, c\r\n# a comment\nd,\n\n  e  \n");
+  write_file_atomically(folder / "list.txt", "a b.jpg, \"c\"\r\n# a comment\n'd',\n\n  e  \n");
   EXPECT_THAT(read_name_list(folder / "list.txt"), ElementsAre("a b.jpg", "c", "d", "e"));
 }
 

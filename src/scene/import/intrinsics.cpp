@@ -21,7 +21,14 @@ double factor(double a, double b) { return std::fmax(a / b, b / a); }
 
 Intrinsics read_intrinsics(const std::filesystem::path& file) {
   constexpr const char* kForm = "write fx 0 cx / 0 fy cy / 0 0 1, or fx fy cx cy";
-  const std::vector<double> k = read_numbers(file);
+  const std::vector<double> k = [&] {
+    try {
+      return read_numbers(file);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kBadInput) throw;
+      throw_bad_input(file, error.details().field, error.details().message, kForm);
+    }
+  }();
   Intrinsics lens;
   if (k.size() == 4) {
     lens = {k[0], k[1], k[2], k[3]};

@@ -18,7 +18,7 @@ Intrinsics read(const std::string& text) {
 
 TEST(Intrinsics, AMatrixAndFourNumbersAreTheSame) {
   for (const char* text : {"500 0 320\n0 510 240\n0 0 1\n", "500 0 320 0\n0 510 240 0\n0 0 1 0\n0 0 0 1\n",
-                           "# fx fy cx cy\n500, 510, 320, 240\n"}) {
+                           "# fx fy cx cy\n500, 510, 320, 240\n", "[[500. 0. 320.]\n [0. 510. 240.]\n [0. 0. 1.]]"}) {
     const Intrinsics lens = read(text);
     EXPECT_EQ(lens.fx, 500) << text;
     EXPECT_EQ(lens.fy, 510) << text;
@@ -30,6 +30,15 @@ TEST(Intrinsics, AMatrixAndFourNumbersAreTheSame) {
 TEST(Intrinsics, OtherNumbersAreRefused) {
   for (const char* text : {"", "500 320 240", "0 0 320 240", "nan 500 320 240", "-500 0 320\n0 510 240\n0 0 1\n"})
     EXPECT_THROW(read(text), Error) << text;
+}
+
+TEST(Intrinsics, TextIsToldWhichNumbersToWrite) {
+  try {
+    read("Camera.fx: 500\n");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.details().remedy, HasSubstr("fx fy cx cy"));
+  }
 }
 
 TEST(IntrinsicsMisfit, LensesAreAFewHundredthsOffTheMiddle) {

@@ -18,9 +18,8 @@ class SensorCloud {
   /// `depth` may be smaller than the picture of `camera`; alpha of `pixels` plays no part.
   void add(const Camera& camera, const ImageF& depth, const Image<uint8_t>& pixels);
   bool empty() const { return cameras_.empty(); }
-  /// A warning where depth contradicts the points that came with the capture, or metres are no distances in rooms. Else
-  /// where depth and cameras seem to have different units, or matrices are read wrongly (scene/depth_agreement.h). Empty
-  /// where nothing speaks against them. `unit`: scene units per stored value.
+  /// A warning where something speaks against the depth (scene/depth_contradiction.h), else empty. `unit`: scene units
+  /// per stored value.
   std::string contradiction(bool metric, double unit, const PointCloud& points) const;
   PointCloud fuse(double voxel, ThreadPool& pool) const;
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/angles.h"
@@ -60,6 +61,7 @@ const std::set<std::string> kUsed = {"camera_model",
                                      "latlong",
                                      "equirectangular",
                                      "orthographic",
+                                     "is_bad",
                                      "time"};
 
 /// They change nothing here: poses and points are in the file's own world, which its viewers alone move and scale.
@@ -72,6 +74,7 @@ const std::set<std::string> kHarmless = {"applied_transform",
                                          "render_aabb",
                                          "up",
                                          "n_frames",
+                                         "has_mask",
                                          "sharpness",
                                          "sharpen",
                                          "colmap_im_id",
@@ -120,12 +123,21 @@ const Json* TransformsFields::find(const char* key) const {
   return nullptr;
 }
 
+double number_of_json(const nlohmann::json& value) {
+  if (value.is_number()) return value.get<double>();
+  if (!value.is_string()) return NAN;
+  const std::string text = value.get<std::string>();  // "1920", as some programs write it
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return !text.empty() && end == text.c_str() + text.size() ? number : NAN;
+}
+
 double TransformsFields::number(const char* key, double fallback) const {
   const Json* value = find(key);
   if (!value) return fallback;
-  if (!value->is_number() || !std::isfinite(value->get<double>()))
-    throw_bad_input(file_, key, "expected a finite number", "correct the value");
-  return value->get<double>();
+  const double stated = number_of_json(*value);
+  if (!std::isfinite(stated)) throw_bad_input(file_, key, "expected a finite number", "correct the value");
+  return stated;
 }
 
 bool TransformsFields::flag(const char* key) const {

@@ -15,6 +15,7 @@
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 #include "scene/import/transforms_fields.h"
+#include "scene/import/transforms_place.h"
 #include "scene/mesh_ply.h"
 #include "scene/photo_places.h"
 #include "scene/view_names.h"
@@ -53,9 +54,9 @@ Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& fiel
   std::vector<double> m;
   for (const Json& row : matrix) {  // rows, or all numbers in one list
     if (!row.is_array())
-      m.push_back(row.is_number() ? row.get<double>() : NAN);
+      m.push_back(number_of_json(row));
     else
-      for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
+      for (const Json& v : row) m.push_back(number_of_json(v));
   }
   if (m.size() != 16 && m.size() != 12) throw_bad_input(file, field, "expected 4x4 numbers", "correct the matrix");
   return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m, file, field, scale));
@@ -91,11 +92,12 @@ double depth_unit_of(const TransformsFields& fields, const fs::path& file) {
 
 class FrameReader {
  public:
-  FrameReader(const Transforms& transforms, const PhotoLookup& photos, Capture& capture)
+  FrameReader(const Transforms& transforms, const PhotoLookup& photos, Capture& capture, fs::path masks)
       : transforms_(transforms),
         photos_(photos),
         capture_(capture),
         folder_(transforms.file.parent_path()),
+        masks_(std::move(masks)),
         files_({}, folder_) {}
 
   CapturedFrame read(const Json& item, const std::string& field) const {
@@ -103,6 +105,9 @@ class FrameReader {
     const std::string path = slashed_name(item.at("file_path").get<std::string>());
     const PhotoLookup::Answer photo = photos_.find(path);
     if (photo.file.empty()) throw_bad_input({}, "", photo.problem, "put the photo where file_path says");
+    const auto bad = item.find("is_bad");  // ScanNet++'s
+    if (bad != item.end() && bad->is_boolean() && bad->get<bool>())
+      throw_bad_input({}, "", "is_bad says that the photo is bad", "set it to false to use the photo");
     frame.name = path;
     frame.image = photo.file;
     const TransformsFields fields(transforms_.document, item, transforms_.file);
@@ -115,6 +120,7 @@ class FrameReader {
       frame.depth_scale *= unit / capture_.depth_unit;
     if (const std::string mask = fields.text("mask_path"); !mask.empty()) {
       frame.mask = named_file(files_, folder_, mask);
+      if (!masks_.empty() && !fs::is_regular_file(frame.mask)) frame.mask = masks_ / slashed_name(mask);
       if (!fs::is_regular_file(frame.mask))
         throw_bad_input(frame.mask, "mask_path", "the mask is missing", "add it, or remove mask_path");
     }
@@ -166,15 +172,15 @@ class FrameReader {
   const Transforms& transforms_;
   const PhotoLookup& photos_;
   Capture& capture_;
-  fs::path folder_;
+  fs::path folder_, masks_;
   PhotoLookup files_;  ///< masks and depth
   mutable size_t depths_named_ = 0, depths_found_ = 0;
 };
 
 /// Adds the frames of a list of a file; returns their names as the file writes them.
 std::vector<std::string> add_frames(const Transforms& transforms, const PhotoLookup& photos, Capture& capture,
-                                    const char* list = "frames") {
-  const FrameReader reader(transforms, photos, capture);
+                                    const fs::path& masks, const char* list = "frames") {
+  const FrameReader reader(transforms, photos, capture, masks);
   std::vector<std::string> names;
   size_t index = 0;
   for (const Json& item : transforms.document[list]) {
@@ -250,28 +256,34 @@ void set_depth_unit(const Transforms& transforms, Capture& capture) {
 }  // namespace
 
 bool may_hold_transforms(const fs::path& folder) {
-  return fs::is_regular_file(folder / "transforms.json") || fs::is_regular_file(folder / "transforms_train.json");
+  return fs::is_regular_file(folder / "transforms.json") || fs::is_regular_file(folder / "transforms_train.json") ||
+         !transforms_place(folder).photos.empty();
 }
 
 Capture read_transforms(const fs::path& folder, const CaptureOptions&) {
-  return read_transforms(folder, PhotoLookup(images_folder(folder), folder));
+  const TransformsPlace place = transforms_place(folder);
+  return read_transforms(folder,
+                         PhotoLookup(place.photos.empty() ? images_folder(folder) : place.photos, place.folder));
 }
 
-Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
+Capture read_transforms(const fs::path& given, const PhotoLookup& photos) {
+  const TransformsPlace place = transforms_place(given, photos.photos());
+  const fs::path& folder = place.folder;
   Capture capture;
   capture.layout = "nerfstudio";
-  capture.folder = folder;
+  capture.folder = given;
   capture.up = Vec3d{0, 0, 1};
   capture.up_source = "nerfstudio's convention (+z)";
-  if (fs::is_regular_file(folder / "transforms.json")) {
-    const Transforms transforms = read_document(folder / "transforms.json");
+  const fs::path document = folder / (place.undistorted ? "transforms_undistorted.json" : "transforms.json");
+  if (fs::is_regular_file(document)) {
+    const Transforms transforms = read_document(document);
     set_depth_unit(transforms, capture);
-    const std::vector<std::string> frames = add_frames(transforms, photos, capture);
+    const std::vector<std::string> frames = add_frames(transforms, photos, capture, place.masks);
     capture.train = listed_names(transforms, {"train_filenames"});
     capture.test = listed_names(transforms, {"test_filenames", "val_filenames"});
     if (const auto held_out = transforms.document.find("test_frames");
         held_out != transforms.document.end() && held_out->is_array()) {  // ScanNet++'s
-      const std::vector<std::string> test = add_frames(transforms, photos, capture, "test_frames");
+      const std::vector<std::string> test = add_frames(transforms, photos, capture, place.masks, "test_frames");
       if (capture.train.empty()) capture.train = frames;
       capture.test.insert(capture.test.end(), test.begin(), test.end());
     }
@@ -290,7 +302,7 @@ Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
       }
       const Transforms transforms = read_document(file);
       if (split == std::string("train")) set_depth_unit(transforms, capture);
-      const std::vector<std::string> names = add_frames(transforms, photos, capture);
+      const std::vector<std::string> names = add_frames(transforms, photos, capture, {});
       (split == std::string("train") ? capture.train : capture.test) = names;
       note_unknown(transforms, capture);
     }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <sstream>
 
@@ -41,8 +42,11 @@ std::vector<Stamped> read_stamped(const fs::path& file) {
     if (content.empty() || content[0] == '#') continue;
     std::istringstream words{std::string(content)};
     Stamped entry;
+    const bool header = number == 1 && std::isalpha(static_cast<unsigned char>(content[0]));  // of a spreadsheet
+    if (header) continue;
     if (!(words >> entry.time))
       throw_bad_input(file, "line " + std::to_string(number), "expected a time stamp", "lines are \"time value...\"");
+    if (words.peek() == ',') words.get();
     std::getline(words >> std::ws, entry.rest);
     lines.push_back(entry);
   }
