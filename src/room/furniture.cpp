@@ -103,6 +103,19 @@ double to_wall(const MeasuredBox& box, const MeasuredWall& wall) {
   return nearest;
 }
 
+/// How far the farthest corner of a box is behind a wall; 0 for corners before it or beyond its ends.
+double behind(const MeasuredBox& box, const MeasuredWall& wall) {
+  double farthest = 0;
+  for (const Vec2d& p : footprint(box)) {
+    const double along =
+        ((p.x - wall.from.x) * (wall.to.x - wall.from.x) + (p.y - wall.from.y) * (wall.to.y - wall.from.y)) /
+        wall.length();
+    if (along < 0 || along > wall.length()) continue;
+    farthest = std::max(farthest, -(wall.normal.x * (p.x - wall.from.x) + wall.normal.y * (p.y - wall.from.y)));
+  }
+  return farthest;
+}
+
 /// The part of a box before a wall that runs along one of its sides, if only a little of it is behind.
 void cut_back(MeasuredBox& box, const MeasuredWall& wall, double most) {
   const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree);
@@ -228,6 +241,15 @@ std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, co
   for (const ObjectPoints& object : objects) {
     MeasuredBox box;
     if (!fit_box(object, settings, box)) continue;
+    // Few points tell a wrong turn. One that pushes a corner through a wall is wrong.
+    const bool through = std::any_of(around.walls.begin(), around.walls.end(), [&](const MeasuredWall& wall) {
+      return behind(box, wall) > settings.through_wall;
+    });
+    if (through && box.turn != 0) {
+      FurnitureSettings square = settings;
+      square.square_gain = 1e9;  // no turn is so much better
+      if (!fit_box(object, square, box)) continue;
+    }
     for (const MeasuredWall& wall : around.walls) cut_back(box, wall, settings.in_wall);
     out.push_back(std::move(box));
     sources.push_back(&object);

@@ -27,7 +27,8 @@ struct FurnitureSettings {
   double to_support = 0.12;  ///< metres within which another box or a wall supports a box
   /// metres that a box may reach into a wall and is cut back: trained surfaces near walls are thick
   double in_wall = 0.20;
-  double cell = 0.10;  ///< metres: squares of a box's faces that are counted as seen
+  double through_wall = 0.03;  ///< metres that a turned box may reach through a wall
+  double cell = 0.10;          ///< metres: squares of a box's faces that are counted as seen
   /// metres, of the longest side: smaller ones are mostly confusions of a teacher, and so are beds shorter than a metre
   double least_size = 0.25;
   size_t least_points = 30;

@@ -82,6 +82,17 @@ TEST(Furniture, ABoxThatReachesIntoItsWallIsCutBack) {
   EXPECT_NEAR(boxes[0].depth, 0.34, 0.03);
 }
 
+TEST(Furniture, ABoxWhoseTurnPushesItThroughAWallIsSquare) {
+  MeasuredWall wall;
+  wall.from = {-2, 0};
+  wall.to = {2, 0};
+  wall.normal = {0, 1, 0};
+  // A chest at 20 degrees whose corner would be 8 cm behind the wall, and the same in the open.
+  const ObjectPoints turned = box_points(1, 0.4, 0.8, 0, 0.28, 20);
+  EXPECT_DOUBLE_EQ(find_boxes({turned}, {{wall}, {}, 2.5})[0].turn, 0);
+  EXPECT_NEAR(find_boxes({turned}, {})[0].turn, 20, 2.1);
+}
+
 TEST(Furniture, ABedOfHalfAMetreIsNone) {
   ObjectPoints bed = box_points(0.5, 0.4, 0.3, 0, 1, 0);
   bed.class_name = "bed";
