@@ -208,7 +208,10 @@ BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const st
                                    std::vector<PhotoDepth>& depths) {
   BarePlaneReport report;
   const SmallPhotos photos = small_photos(views, labels, depths, settings.width, pool);
-  report.planes = measured_planes(photos.measured, settings.planes, pool);
+  MeasuredPlaneSettings planes = settings.planes;
+  const bool labelled = std::any_of(labels.begin(), labels.end(), [](const auto& image) { return !image.empty(); });
+  if (!labelled) planes.along_axes = settings.without_labels;
+  report.planes = measured_planes(photos.measured, planes, pool);
   if (report.planes.empty()) return report;
   std::vector<const MatchView*> pointers;
   for (const MatchView& photo : photos.all) pointers.push_back(&photo);

@@ -20,8 +20,10 @@ struct PlaneDoubts {
 
 struct BarePlaneSettings {
   MeasuredPlaneSettings planes;
-  int width = 320;      ///< pixels; larger photos are divided among planes at this width
-  int neighbours = 24;  ///< photos that are asked about a place, those that see most of the same
+  PlaneSettings without_labels =
+      small_planes_along_axes();  ///< in place of planes.along_axes for photos without labels
+  int width = 320;                ///< pixels; larger photos are divided among planes at this width
+  int neighbours = 24;            ///< photos that are asked about a place, those that see most of the same
   LabelPathSettings paths;
   // Costs of a pixel that was measured: on a plane, and beside all.
   double reach = 0.015;       ///< relative distance from a plane that costs half of 1

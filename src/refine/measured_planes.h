@@ -32,6 +32,14 @@ inline PlaneSettings planes_along_axes() {
   return settings;
 }
 
+/// And of smaller surfaces, where no labels tell walls and floors apart.
+inline PlaneSettings small_planes_along_axes() {
+  PlaneSettings settings = planes_along_axes();
+  settings.least_share = 0.002;
+  settings.turn_sigma = 1.5;  // few points tell the turn of a small plane, and square rooms have none
+  return settings;
+}
+
 struct MeasuredPlaneSettings {
   PlaneSettings anything = planes_of_anything();
   PlaneSettings along_axes = planes_along_axes();

@@ -68,9 +68,10 @@ double mean_proud(const std::vector<PlanePoint>& points, const Indices& near, co
 }
 
 /// Robust (Cauchy) total least squares from a first guess, with the points that are near it. Proud points count for the
-/// plane behind them.
-ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane,
+/// plane behind them. The plane was found with the normal `found`.
+ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane, const Vec3d& found,
                   const PlaneSettings& s) {
+  const double hold = s.turn_sigma > 0 ? std::pow(s.turn_sigma * kRadiansPerDegree, -2) : 0;
   const std::vector<double> base = fit_weights(points, near, s);
   std::vector<Vec3d> positions;
   std::vector<double> weights(near.size());
@@ -82,7 +83,7 @@ ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, Sc
       const double residual = plane.distance(positions[k]) / (s.prior_sigma * points[near[k]].depth);
       weights[k] = base[k] / (1 + residual * residual);
     }
-    const PlaneFit fit = fit_plane(positions, weights, plane.normal);
+    const PlaneFit fit = fit_plane(positions, weights, hold > 0 ? found : plane.normal, hold);
     plane.normal = fit.normal;
     plane.centre = fit.centre;
     plane.offset = -dot(fit.normal, fit.centre);
@@ -159,9 +160,10 @@ void find_planes_of(PlaneKind kind, const std::vector<PlanePoint>& points, const
     ScenePlane plane = best_candidate(points, left, s, random);
     Indices near = members(points, left, plane, s);
     if (near.size() < least) return;
-    plane = refine(points, near, plane, s);
+    const Vec3d found = plane.normal;
+    plane = refine(points, near, plane, found, s);
     near = members(points, left, plane, s);
-    plane = refine(points, near, plane, s);
+    plane = refine(points, near, plane, found, s);
     // Points a little farther off are the same surface with a worse depth, and would come again as a plane beside it.
     const Indices taken = members(points, left, plane, s, 2);
     if (taken.empty()) return;

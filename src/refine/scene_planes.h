@@ -43,6 +43,8 @@ struct PlaneSettings {
   int least_views = 2;
   double merge_angle = 8;        ///< degrees; planes of a kind this parallel
   double merge_distance = 0.04;  ///< and this near, relative to the depth of their points, are one
+  /// Degrees: standard deviation of a plane's turn from the direction that it was found with; 0: any turn is as likely.
+  double turn_sigma = 0;
   /// A network's depth of one photo is bent: its points on one plane are wrong together. They count as so many
   /// independent ones with this relative error.
   double prior_sigma = 0.02;

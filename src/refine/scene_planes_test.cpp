@@ -103,6 +103,21 @@ TEST(ScenePlanes, WhatStereoMeasuredOutweighsABentPhoto) {
   EXPECT_LT(std::abs(planes[0].offset), 0.02);
 }
 
+TEST(ScenePlanes, FewPointsOfATurnedPlaneDoNotTurnIt) {
+  std::vector<PlanePoint> points;
+  // 200 points that say 3 degrees, with the error that the settings expect of a network's depth.
+  add_patch(points, PlaneKind::kWall, {0, 0, 0}, {1, 0, 0}, {0, std::cos(0.0524), std::sin(0.0524)}, 200, 2, 0.002, 1);
+  for (PlanePoint& p : points) p.normal = {0, 0, 1};
+  PlaneSettings held;
+  held.turn_sigma = 0.5;
+  const auto turn = [](const std::vector<ScenePlane>& planes) {
+    return planes.size() == 1 ? angle(planes[0].normal, {0, 0, 1}) : -1;
+  };
+  EXPECT_NEAR(turn(find_planes(points, {}, 1)), 3, 0.3);
+  EXPECT_LT(turn(find_planes(points, held, 1)), 1);
+  EXPECT_GE(turn(find_planes(points, held, 1)), 0);
+}
+
 TEST(ScenePlanes, OnePhotoAloneMakesNoPlane) {
   std::vector<PlanePoint> points;
   add_patch(points, PlaneKind::kWall, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1000, 1, 0.005, 1);

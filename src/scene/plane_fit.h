@@ -12,7 +12,10 @@ struct PlaneFit {
   Vec3d centre;  ///< weighted mean of the points, which lies in the plane
 };
 
-/// `weights` (>= 0, some > 0) has one number per point; empty: all weigh the same. At least one point.
-PlaneFit fit_plane(const std::vector<Vec3d>& points, const std::vector<double>& weights, const Vec3d& towards);
+/// `weights` (>= 0, some > 0) has one number per point; empty: all weigh the same. At least one point. A turn of the
+/// normal away from `towards`, a unit vector, costs `hold` times its squared sine; 0: nothing. With inverse variances as
+/// weights, `hold` is the inverse variance of the turn in radians.
+PlaneFit fit_plane(const std::vector<Vec3d>& points, const std::vector<double>& weights, const Vec3d& towards,
+                   double hold = 0);
 
 }  // namespace aligngs

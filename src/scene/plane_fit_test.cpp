@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace aligngs {
 namespace {
 
@@ -21,6 +23,19 @@ TEST(PlaneFit, APointWithoutWeightIsNotThere) {
   const PlaneFit fit = fit_plane(points, {1, 1, 1, 1, 0}, {0, 0, 1});
   EXPECT_NEAR(fit.normal.z, 1, 1e-12);
   EXPECT_NEAR(fit.centre.y, 0.5, 1e-12);
+}
+
+TEST(PlaneFit, AHeldNormalTurnsAsTheEvidenceWeighs) {
+  // A plane through the x axis, turned by 0.1 rad. Its points tell the turn with a weight of 2.
+  const std::vector<Vec3d> points = {{-1, -1, -0.1}, {1, -1, -0.1}, {0, 1, 0.1}, {0, 1, 0.1}};
+  const std::vector<double> weights(points.size(), 0.5);
+  const auto turn = [&](double hold) {
+    const Vec3d n = fit_plane(points, weights, {0, 0, 1}, hold).normal;
+    return std::atan2(-n.y, n.z);
+  };
+  EXPECT_NEAR(turn(0), 0.1, 1e-3);
+  EXPECT_NEAR(turn(2), 0.05, 1e-3);
+  EXPECT_NEAR(turn(1e9), 0, 1e-6);
 }
 
 }  // namespace
