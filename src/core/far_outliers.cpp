@@ -1,6 +1,9 @@
 #include "core/far_outliers.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "core/quantile.h"
 
 namespace aligngs {
 namespace {
@@ -13,9 +16,7 @@ constexpr double kLeastDistance = 1000;  // units: jitter around one place has o
 double median_coordinate(std::span<const Vec3d> places, int axis) {
   std::vector<double> values;
   for (const Vec3d& place : places) values.push_back(place[axis]);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return quantile_of(std::move(values), 0.5);
 }
 
 }  // namespace

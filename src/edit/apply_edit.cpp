@@ -106,14 +106,9 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
 /// The object that most of a piece is of; several ones have no name.
 std::string name_of(const EditableRoom& room, const EditableRoom& piece) {
   const std::vector<Instance> objects = list_instances(piece.gaussians.model, piece.gaussians.labels);
-  size_t largest = 0;
-  const Instance* best = nullptr;
-  for (const Instance& object : objects) {
-    if (object.gaussians <= largest) continue;
-    largest = object.gaussians;
-    best = &object;
-  }
-  return best ? object_name(*best, room.labels) : "the object";
+  const auto largest = std::max_element(objects.begin(), objects.end(),
+                                        [](const Instance& a, const Instance& b) { return a.gaussians < b.gaussians; });
+  return largest != objects.end() ? object_name(*largest, room.labels) : "the object";
 }
 
 void move_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,

@@ -79,8 +79,8 @@ class ThingsAround {
   /// From the foot of an object down to what is right below it; empty without a floor.
   std::optional<double> gap_below(const ColumnRanges& object, double extent) const {
     if (!ground_ || object.empty()) return std::nullopt;
-    double foot = 1e300, support = *ground_;
-    for (const auto& entry : object) foot = std::min(foot, entry.second.low);
+    const double foot = foot_of(object);
+    double support = *ground_;
     for (const auto& entry : object) {
       if (entry.second.low > foot + kFoot * extent) continue;
       for (const auto& thing : things_) {
@@ -95,9 +95,7 @@ class ThingsAround {
   /// From the foot of an object down to the floor; empty without a floor.
   std::optional<double> gap_to_floor(const ColumnRanges& object) const {
     if (!ground_ || object.empty()) return std::nullopt;
-    double foot = 1e300;
-    for (const auto& entry : object) foot = std::min(foot, entry.second.low);
-    return foot - *ground_;
+    return foot_of(object) - *ground_;
   }
 
   /// Columns that an object shares with each thing.
@@ -118,6 +116,12 @@ class ThingsAround {
   }
 
  private:
+  static double foot_of(const ColumnRanges& object) {
+    double foot = 1e300;
+    for (const auto& entry : object) foot = std::min(foot, entry.second.low);
+    return foot;
+  }
+
   Vec3d up_, u_, v_;
   double edge_;
   std::map<std::pair<uint16_t, uint16_t>, ColumnRanges> things_;  ///< by class and number

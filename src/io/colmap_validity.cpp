@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/erase_marked.h"
 #include "core/error.h"
 #include "core/far_outliers.h"
 #include "core/rigid.h"
@@ -42,18 +43,6 @@ void require_valid_image(const ColmapImage& image, const fs::path& name) {
   }
   constexpr double kLeastLength = 1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
   if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kColmapRemedy);
-}
-
-/// Removes the items that are marked; returns how many.
-template <class Item>
-size_t erase_marked(std::vector<Item>& items, const std::vector<bool>& marked) {
-  size_t kept = 0;
-  for (size_t i = 0; i < items.size(); ++i) {
-    if (!marked[i] && kept++ != i) items[kept - 1] = std::move(items[i]);
-  }
-  const size_t erased = items.size() - kept;
-  items.erase(items.begin() + static_cast<std::ptrdiff_t>(kept), items.end());
-  return erased;
 }
 
 void leave_out_far_cameras(ColmapModel& model) {

@@ -94,11 +94,9 @@ double seen_share(const MeasuredBox& box, const std::vector<Vec3d>& points, doub
 double to_wall(const MeasuredBox& box, const MeasuredWall& wall) {
   double nearest = 1e300;
   for (const Vec2d& p : footprint(box)) {
-    const double along =
-        ((p.x - wall.from.x) * (wall.to.x - wall.from.x) + (p.y - wall.from.y) * (wall.to.y - wall.from.y)) /
-        wall.length();
+    const double along = wall.along(p);
     if (along < -0.1 || along > wall.length() + 0.1) continue;
-    nearest = std::min(nearest, std::abs(wall.normal.x * (p.x - wall.from.x) + wall.normal.y * (p.y - wall.from.y)));
+    nearest = std::min(nearest, std::abs(wall.before(p)));
   }
   return nearest;
 }
@@ -107,11 +105,9 @@ double to_wall(const MeasuredBox& box, const MeasuredWall& wall) {
 double behind(const MeasuredBox& box, const MeasuredWall& wall) {
   double farthest = 0;
   for (const Vec2d& p : footprint(box)) {
-    const double along =
-        ((p.x - wall.from.x) * (wall.to.x - wall.from.x) + (p.y - wall.from.y) * (wall.to.y - wall.from.y)) /
-        wall.length();
+    const double along = wall.along(p);
     if (along < 0 || along > wall.length()) continue;
-    farthest = std::max(farthest, -(wall.normal.x * (p.x - wall.from.x) + wall.normal.y * (p.y - wall.from.y)));
+    farthest = std::max(farthest, -wall.before(p));
   }
   return farthest;
 }
@@ -119,15 +115,13 @@ double behind(const MeasuredBox& box, const MeasuredWall& wall) {
 /// The part of a box before a wall that runs along one of its sides, if only a little of it is behind.
 void cut_back(MeasuredBox& box, const MeasuredWall& wall, double most) {
   const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree);
-  const double along = ((box.centre.x - wall.from.x) * (wall.to.x - wall.from.x) +
-                        (box.centre.y - wall.from.y) * (wall.to.y - wall.from.y)) /
-                       wall.length();
+  const double along = wall.along(box.centre);
   if (along < 0 || along > wall.length()) return;
   constexpr double kParallel = 0.999;  // cosine: 2.5 degrees
   for (double* side : {&box.width, &box.depth}) {
     const Vec2d axis = side == &box.width ? Vec2d{c, s} : Vec2d{-s, c};
     if (std::abs(wall.normal.x * axis.x + wall.normal.y * axis.y) < kParallel) continue;
-    const double centre = wall.normal.x * (box.centre.x - wall.from.x) + wall.normal.y * (box.centre.y - wall.from.y);
+    const double centre = wall.before(box.centre);
     const double behind = *side / 2 - centre;
     if (behind <= 0 || behind > most || behind >= *side) continue;
     *side -= behind;
@@ -135,18 +129,12 @@ void cut_back(MeasuredBox& box, const MeasuredWall& wall, double most) {
   }
 }
 
-bool within(const MeasuredBox& box, const Vec2d& p) {
-  const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree),
-               x = p.x - box.centre.x, y = p.y - box.centre.y;
-  return std::abs(c * x + s * y) <= box.width / 2 && std::abs(-s * x + c * y) <= box.depth / 2;
-}
-
 std::string support_of(const MeasuredBox& box, const std::vector<MeasuredBox>& boxes,
                        const std::vector<MeasuredWall>& walls, double height, const FurnitureSettings& s) {
   if (box.bottom < s.to_floor) return "floor";
   for (const MeasuredBox& other : boxes) {
     // A thing may be on a shelf inside its case's box: only the top is known.
-    if (&other != &box && within(other, box.centre) && std::abs(box.bottom - other.top) < s.to_support)
+    if (&other != &box && is_within(other, box.centre) && std::abs(box.bottom - other.top) < s.to_support)
       return box_name(other);
   }
   for (const MeasuredWall& wall : walls) {

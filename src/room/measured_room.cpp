@@ -10,6 +10,12 @@ namespace aligngs {
 
 double MeasuredWall::length() const { return std::hypot(to.x - from.x, to.y - from.y); }
 
+double MeasuredWall::along(const Vec2d& p) const {
+  return ((p.x - from.x) * (to.x - from.x) + (p.y - from.y) * (to.y - from.y)) / length();
+}
+
+double MeasuredWall::before(const Vec2d& p) const { return normal.x * (p.x - from.x) + normal.y * (p.y - from.y); }
+
 Vec3d MeasuredWall::at(double along, double z) const {
   const double whole = length(), t = whole > 0 ? along / whole : 0;
   return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), z};
@@ -58,6 +64,12 @@ std::string opening_name(const MeasuredRoom& room, size_t index) {
 }
 
 std::string box_name(const MeasuredBox& box) { return box.class_name + "." + std::to_string(box.instance); }
+
+bool is_within(const MeasuredBox& box, const Vec2d& p) {
+  const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree),
+               x = p.x - box.centre.x, y = p.y - box.centre.y;
+  return std::abs(c * x + s * y) <= box.width / 2 && std::abs(-s * x + c * y) <= box.depth / 2;
+}
 
 std::vector<Vec2d> footprint(const MeasuredBox& box) {
   const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree);

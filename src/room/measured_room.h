@@ -35,6 +35,8 @@ struct MeasuredWall {
   double confidence = 0;  ///< in [0, 1]: share of the votes on it that agree; 0 for an assumed wall
   bool assumed = false;   ///< no photo shows it: it closes the room where the seen surfaces end
   double length() const;
+  double along(const Vec2d& p) const;   ///< from the first corner, in the direction of the second
+  double before(const Vec2d& p) const;  ///< distance into the room; below 0 behind the wall
   /// The place at `along` from the first corner, at height z.
   Vec3d at(double along, double z) const;
 };
@@ -97,6 +99,9 @@ struct MeasuredRoom {
 std::string wall_name(size_t index);
 std::string opening_name(const MeasuredRoom& room, size_t index);
 std::string box_name(const MeasuredBox& box);
+
+/// Whether a place of the plan is on a box seen from above.
+bool is_within(const MeasuredBox& box, const Vec2d& p);
 
 /// The four corners of a box seen from above, counter-clockwise.
 std::vector<Vec2d> footprint(const MeasuredBox& box);

@@ -30,12 +30,7 @@ struct Gap {
   const MeasuredWall* wall = nullptr;
   double low_along = 0, high_along = 0, depth = 0, bottom = 0, top = 0;
 
-  Vec3d of(const Vec3d& p) const {
-    const Vec3d& n = wall->normal;
-    const double x = p.x - wall->from.x, y = p.y - wall->from.y;
-    return {(x * (wall->to.x - wall->from.x) + y * (wall->to.y - wall->from.y)) / wall->length(), x * n.x + y * n.y,
-            p.z};
-  }
+  Vec3d of(const Vec3d& p) const { return {wall->along({p.x, p.y}), wall->before({p.x, p.y}), p.z}; }
 };
 
 /// Share of the gap's cubes that the way to a seen surface crosses. The surface itself, and all behind it, is not free.
@@ -121,13 +116,9 @@ void reach_down(std::vector<MeasuredBox>& boxes, const std::vector<SeenRay>& ray
     if (box.support != "unknown") continue;
     if (is_one_of(kOnFloor, box.class_name)) box.bottom = 0;
     if (box.class_name != "lamp") continue;
-    const double c = std::cos(box.turn * kRadiansPerDegree), sine = std::sin(box.turn * kRadiansPerDegree);
     std::vector<double> below;
     for (const SeenRay& ray : rays) {
-      const double x = ray.to.x - box.centre.x, y = ray.to.y - box.centre.y;
-      if (ray.to.z < box.bottom && std::abs(c * x + sine * y) <= box.width / 2 &&
-          std::abs(-sine * x + c * y) <= box.depth / 2)
-        below.push_back(ray.to.z);
+      if (ray.to.z < box.bottom && is_within(box, {ray.to.x, ray.to.y})) below.push_back(ray.to.z);
     }
     if (below.size() < std::max<size_t>(1, s.least_rays)) continue;
     constexpr double kLow = 0.1;  // share of the pixels below the surface: strays

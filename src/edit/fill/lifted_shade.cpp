@@ -40,9 +40,8 @@ std::vector<Shader> shaders_of(const FillRoom& r, const RoomPlane& plane) {
       points.push_back(position_of(r.room.model, i).cast<float>());
       heights.push_back(plane.height(position_of(r.room.model, i)));
     }
-    const auto high = heights.begin() + static_cast<std::ptrdiff_t>(kHighest * static_cast<double>(heights.size()));
-    std::nth_element(heights.begin(), high, heights.end());
-    const double reach = std::clamp(*high, r.settings.halo * r.extent, r.settings.shade_reach * r.extent);
+    const double reach = std::clamp(quantile_of(std::move(heights), kHighest), r.settings.halo * r.extent,
+                                    r.settings.shade_reach * r.extent);
     out.push_back({PointTree(std::move(points)), reach});
   }
   return out;

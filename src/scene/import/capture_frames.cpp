@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/erase_marked.h"
 #include "core/error.h"
 #include "core/far_outliers.h"
 #include "core/letter_case.h"
@@ -130,14 +131,10 @@ void leave_out_far_cameras(Capture& capture) {
   std::vector<Vec3d> centres;
   for (const CapturedFrame& frame : capture.frames) centres.push_back(frame.world_to_camera.inverse().translation);
   const std::vector<bool> far = far_outliers(centres);
-  std::vector<CapturedFrame> kept;
   for (size_t i = 0; i < far.size(); ++i) {
-    if (far[i])
-      capture.left_out.push_back({capture.frames[i].name, kFarFromOthers, kFarFromOthersRemedy});
-    else
-      kept.push_back(std::move(capture.frames[i]));
+    if (far[i]) capture.left_out.push_back({capture.frames[i].name, kFarFromOthers, kFarFromOthersRemedy});
   }
-  capture.frames = std::move(kept);
+  erase_marked(capture.frames, far);
 }
 
 }  // namespace
