@@ -1,223 +1,24 @@
 #include "scene/import/import_capture.h"
 
-#include <algorithm>
-#include <numeric>
 #include <set>
 
 #include "core/error.h"
-#include "core/log.h"
-#include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/output_place.h"
-#include "io/resample.h"
-#include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
+#include "scene/import/capture_split.h"
+#include "scene/import/prepared_frame.h"
 #include "scene/import/sensor_cloud.h"
-#include "scene/import/view_selection.h"
 #include "scene/mesh_ply.h"
-#include "scene/photo_fit.h"
-#include "scene/photo_mask.h"
-#include "scene/prior_maps.h"
 #include "scene/scene_check.h"
 #include "scene/scene_writer.h"
-#include "scene/undistort.h"
 #include "scene/up_direction.h"
-#include "scene/view_data.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Selection {
-  std::vector<int> train, test;
-};
-
-std::vector<int> indices_of(const Capture& capture, const std::vector<std::string>& names, const char* list,
-                            bool skip_lost) {
-  const FrameNames frames(capture.frames);
-  std::set<std::string> lost;
-  for (const LeftOut& frame : capture.left_out) lost.insert({frame.name, view_name_of(frame.name)});
-  std::vector<int> indices;
-  std::string unknown;
-  for (const std::string& name : names) {
-    const int found = frames.find(name);
-    if (found >= 0)
-      indices.push_back(found);
-    else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name)))
-      unknown += (unknown.empty() ? " " : ", ") + as_utf8(name);
-  }
-  if (!unknown.empty() && !skip_lost)
-    throw_bad_input(capture.folder, list, "no frame with a pose is called" + unknown,
-                    "use the names of the image files, one a line");
-  if (!unknown.empty()) log_warning("{}: these frames have no pose and are left out:{}", list, unknown);
-  return indices;
-}
-
-Selection select(const Capture& capture, const ImportOptions& options, ThreadPool& pool) {
-  const int given = (options.views > 0) + (options.stride > 0) + !options.train_names.empty();
-  if (given > 1) throw_usage("give only one of --views, --stride and --train");
-  Selection selection;
-  const bool own_split = given == 0 && !capture.train.empty();
-  if (options.views > 0) {
-    ViewSelectionOptions view_options;
-    view_options.count = options.views;
-    selection.train = select_views(capture, view_options, pool);
-  } else if (options.stride > 0) {
-    selection.train = select_stride(capture, options.stride);
-  } else if (!options.train_names.empty()) {
-    selection.train = indices_of(capture, options.train_names, "--train", false);
-  } else if (own_split) {
-    selection.train = indices_of(capture, capture.train, "the training list of the capture", true);
-  } else if (capture.frames.size() > kMaxUnselected) {
-    log_info("choosing {} of {} frames (--views, --stride or --train change that)", kDefaultViews,
-             capture.frames.size());
-    ViewSelectionOptions view_options;
-    view_options.count = kDefaultViews;
-    selection.train = select_views(capture, view_options, pool);
-  } else {
-    selection.train.resize(capture.frames.size());
-    std::iota(selection.train.begin(), selection.train.end(), 0);
-    if (!capture.test.empty()) {  // only test names came with the capture: the others train
-      const std::vector<int> test = indices_of(capture, capture.test, "the test list of the capture", true);
-      std::erase_if(selection.train, [&](int i) { return std::find(test.begin(), test.end(), i) != test.end(); });
-    }
-  }
-  if (!options.test_names.empty()) {
-    selection.test = indices_of(capture, options.test_names, "--test", false);
-  } else if (given == 0 && !capture.test.empty()) {
-    selection.test = indices_of(capture, capture.test, "the test list of the capture", true);
-  } else {
-    const int wanted = options.test_views >= 0 ? options.test_views : static_cast<int>(selection.train.size()) / 3;
-    selection.test = select_test_views(capture, selection.train, wanted, pool);
-  }
-  std::erase_if(selection.test, [&](int i) {
-    return std::find(selection.train.begin(), selection.train.end(), i) != selection.train.end();
-  });
-  if (selection.train.empty()) throw_bad_input(capture.folder, "train", "no training view is left", "give other names");
-  return selection;
-}
-
-/// NeuRIS' preparation of ScanNet: the middle 1248/1296 of the width and 936/968 of the height, resized to 640x480.
-struct CropToNeuris {
-  static constexpr int kWidth = 640, kHeight = 480;
-  static constexpr double kShareX = 1248.0 / 1296, kShareY = 936.0 / 968;
-
-  static Camera camera(const Camera& c) {
-    Camera out = c;
-    const double w = c.width * kShareX, h = c.height * kShareY;
-    const double sx = kWidth / w, sy = kHeight / h;
-    out.width = kWidth;
-    out.height = kHeight;
-    out.fx = c.fx * sx;
-    out.fy = c.fy * sy;
-    out.cx = (c.cx - (c.width - w) / 2) * sx;
-    out.cy = (c.cy - (c.height - h) / 2) * sy;
-    return out;
-  }
-
-  template <class T, class Sample>
-  static Image<T> map(const Image<T>& image, Sample sample) {
-    Image<T> out(kWidth, kHeight, image.channels);
-    const double w = image.width * kShareX, h = image.height * kShareY;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const double u = (image.width - w) / 2 + (x + 0.5) * w / kWidth,
-                     v = (image.height - h) / 2 + (y + 0.5) * h / kHeight;
-        for (int c = 0; c < image.channels; ++c) out.at(x, y, c) = sample(image, u, v, c);
-      }
-    }
-    return out;
-  }
-
-  static float bilinear(const ImageF& image, double u, double v, int c) {
-    const double x = std::clamp(u - 0.5, 0.0, image.width - 1.0), y = std::clamp(v - 0.5, 0.0, image.height - 1.0);
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y), x1 = std::min(x0 + 1, image.width - 1),
-              y1 = std::min(y0 + 1, image.height - 1);
-    const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-    return (image.at(x0, y0, c) * (1 - fx) + image.at(x1, y0, c) * fx) * (1 - fy) +
-           (image.at(x0, y1, c) * (1 - fx) + image.at(x1, y1, c) * fx) * fy;
-  }
-  static float nearest(const ImageF& image, double u, double v, int c) {
-    return image.at(std::clamp(static_cast<int>(u), 0, image.width - 1),
-                    std::clamp(static_cast<int>(v), 0, image.height - 1), c);
-  }
-};
-
-/// One frame brought to a pinhole camera.
-struct PreparedFrame {
-  SceneViewParts parts;
-  Image<uint8_t> pixels;  ///< of the view, also where its file is copied
-  ImageF depth;           ///< sensor depth, scene units, may be smaller than the image
-};
-
-/// Four channels, the last one 255 where the mask (of any size) counts the pixel.
-Image<uint8_t> with_mask(const Image<uint8_t>& image, const fs::path& file, const CapturedFrame& frame) {
-  constexpr int kSeen = 128;  // of the image's own alpha
-  const Image<uint8_t> mask = read_mask(file, frame.image, frame.upright, image.width, image.height);
-  Image<uint8_t> out(image.width, image.height, 4);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      std::copy_n(image.pixel(x, y), 3, out.pixel(x, y));
-      const bool seen = image.channels < 4 || image.at(x, y, 3) >= kSeen;
-      out.at(x, y, 3) = mask.at(x, y) != 0 && seen ? 255 : 0;
-    }
-  }
-  return out;
-}
-
-/// Whether the photo lost detail when it was stored, so that its copy may as well. PNG is as it was taken.
-bool is_lossy(const fs::path& file) { return file.extension() != ".png" && file.extension() != ".PNG"; }
-
-void require_usable_depth(const CapturedFrame& frame, const ImageF& depth, const Camera& camera) {
-  require_same_aspect({1, depth.height, depth.width}, camera.width, camera.height, frame.depth, "size");
-  if (std::none_of(depth.data.begin(), depth.data.end(), [](float z) { return z > 0; })) {
-    throw_bad_input(frame.depth, "values", "no pixel has a depth", "leave this frame out");
-  }
-}
-
-PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const ImportOptions& options) {
-  PreparedFrame out;
-  const LensModel lens = lens_of(frame.camera, frame.image);
-  Camera camera = lens.distorted() ? undistorted_camera(lens, frame.image) : lens.pinhole();
-  out.depth = read_capture_depth(capture, frame);
-  if (lens.distorted() && !out.depth.empty()) out.depth = undistort_depth(out.depth, lens, camera);
-  const std::string bytes = read_file(frame.image);
-  out.pixels = frame.upright ? decode_image(bytes, frame.image) : decode_stored_image(bytes, frame.image);
-  const fs::path mask = frame.mask.empty() ? find_mask(frame.image) : frame.mask;
-  if (!mask.empty()) out.pixels = with_mask(out.pixels, mask, frame);
-  const bool common = is_common_picture(bytes, frame.image);
-  const bool large = options.max_side > 0 && std::max(camera.width, camera.height) > options.max_side;
-  if (lens.distorted() || options.neuris_crop || large) {
-    ImageF image = to_float(out.pixels);
-    if (lens.distorted()) image = undistort_image(image, lens, camera);
-    if (options.neuris_crop) {
-      camera = CropToNeuris::camera(camera);
-      image = CropToNeuris::map(image, CropToNeuris::bilinear);
-      if (!out.depth.empty()) out.depth = CropToNeuris::map(out.depth, CropToNeuris::nearest);
-    }
-    if (large) {
-      const double scale = double(options.max_side) / std::max(camera.width, camera.height);
-      camera =
-          camera.resized(std::max(1, int(camera.width * scale + 0.5)), std::max(1, int(camera.height * scale + 0.5)));
-      image = resize_area(image, camera.width, camera.height);
-    }
-    out.pixels = to_bytes(image);
-  }
-  if (lens.distorted() || options.neuris_crop || large || !mask.empty() || !common) {
-    constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
-    out.parts.image = out.pixels;
-    if (!lens.distorted() && is_lossy(frame.image)) out.parts.jpeg_quality = kQuality;
-  } else {
-    out.parts.image_file = frame.image;
-  }
-  if (!out.depth.empty()) require_usable_depth(frame, out.depth, camera);
-  camera.world_to_camera = frame.world_to_camera;
-  out.parts.name = frame.name;
-  out.parts.camera = camera;
-  return out;
-}
 
 /// Everything that is read: what was given, and the folders of the files that it refers to elsewhere.
 std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& options) {
@@ -232,10 +33,6 @@ std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& op
   sources.insert(sources.end(), folders.begin(), folders.end());
   return sources;
 }
-
-}  // namespace
-
-namespace {
 
 /// Up as the layout has it, unless the cameras contradict; else from the floor or the cameras.
 void set_up(const Capture& capture, SceneParts& parts) {
@@ -298,7 +95,7 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
                             ThreadPool& pool) {
   const std::vector<fs::path> sources = sources_of(capture, options);
   require_scene_place(output, options.overwrite, sources);  // before views are chosen, which takes long
-  const Selection selection = select(capture, options, pool);
+  const CaptureSplit selection = split_capture(capture, options, pool);
   SceneWriter writer(output, options.overwrite, sources);
   ImportReport report;
   report.left_out = capture.left_out;
@@ -314,7 +111,7 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
     for (const int index : train ? selection.train : selection.test) {
       const CapturedFrame& captured = capture.frames[static_cast<size_t>(index)];
       use_or_leave_out(captured.name, report.left_out, [&] {
-        PreparedFrame frame = prepare(capture, captured, options);
+        PreparedFrame frame = prepare_frame(capture, captured, options);
         const bool depth_prior = train && !use_sfm && !frame.depth.empty() && options.depth_prior;
         if (train && !use_sfm && !frame.depth.empty()) sensor.add(frame.parts.camera, frame.depth, frame.pixels);
         if (depth_prior) frame.parts.prior_depth = frame.depth;
