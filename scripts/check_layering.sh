@@ -27,5 +27,16 @@ while IFS=: read -r file line text; do
   fi
 done < <(grep -rnE '^#include "[a-z_]+/' src --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' |
          grep -v '^src/main.cpp:')
+# The program uses no helper of tests; the two engines share formulas/, losses/ and shared/ alone. Tests compare them.
+product=$(grep -rnE '^#include "' src --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' |
+          grep -vE '^[^:]*(_test\.(cpp|cu)|/testing/[^:]*):')
+if grep -E '#include "([a-z_]+/)*testing/' <<<"$product"; then
+  echo "layering: the program may not include a helper of tests" >&2
+  status=1
+fi
+if grep -E '^src/engine/cuda/.*"engine/(cpu|reference)/|^src/engine/(cpu|reference)/.*"engine/cuda/|^src/engine/shared/.*"engine/(cpu|cuda|reference)/' <<<"$product"; then
+  echo "layering: an engine may not include another; put what they share into src/engine/shared" >&2
+  status=1
+fi
 [ $status -eq 0 ] && echo "layering: ok"
 exit $status

@@ -21,7 +21,7 @@
 #include "io/zip_writer.h"
 #include "metrics/metrics_json.h"
 #include "room/room_json.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 #include "scene/camera_path_json.h"
 #include "scene/label_set.h"
 #include "scene/scene_json.h"

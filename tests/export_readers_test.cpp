@@ -6,11 +6,11 @@
 
 #include <cmath>
 
-#include "core/shell_for_tests.h"
-#include "edit/export/painted_photos_for_tests.h"
+#include "core/testing/shell.h"
 #include "edit/export/scene_export.h"
+#include "edit/export/testing/painted_photos.h"
 #include "edit/export/upright.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "gaussians/point_tree.h"
 #include "io/json_text.h"
 #include "support/process.h"

@@ -8,7 +8,7 @@
 #include "io/image_file.h"
 #include "io/safetensors.h"
 #include "priors/http_download.h"
-#include "priors/loopback_server_for_tests.h"
+#include "priors/testing/loopback_server.h"
 #include "support/no_weights.h"
 #include "support/process.h"
 

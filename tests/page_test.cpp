@@ -13,7 +13,7 @@
 #include "io/gzip.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
-#include "serve/http_client_for_tests.h"
+#include "serve/testing/http_client.h"
 #include "support/page_run.h"
 #include "support/process.h"
 #include "support/small_scene.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "core/error.h"
-#include "core/shell_for_tests.h"
+#include "core/testing/shell.h"
 #include "io/atomic_file.h"
 
 namespace aligngs {

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "batch/batch_status.h"
-#include "batch/fake_program_for_tests.h"
+#include "batch/testing/fake_program.h"
 #include "core/error.h"
 #include "core/stop_signal.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 
 namespace aligngs::cuda {
 namespace {

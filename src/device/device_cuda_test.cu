@@ -9,9 +9,9 @@
 #include "core/half.h"
 #include "core/random.h"
 #include "device/block_reduce.cuh"
-#include "device/device_for_tests.h"
 #include "device/launch.h"
 #include "device/sort_scan.h"
+#include "device/testing/device.h"
 #include "device/tile_mma.cuh"
 #include "device/tolerances.h"
 

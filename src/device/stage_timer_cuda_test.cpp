@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "core/error.h"
 #include "device/block_reduce.cuh"
-#include "device/device_for_tests.h"
 #include "device/launch.h"
 #include "device/sort_scan.h"
+#include "device/testing/device.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -6,7 +6,7 @@
 #include "edit/edit_products.h"
 #include "edit/mesh_selection.h"
 #include "edit/recolor.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 
 namespace aligngs {
 namespace {

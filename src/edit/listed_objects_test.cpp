@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "edit/relation/bedroom_for_tests.h"
+#include "edit/relation/testing/bedroom.h"
 
 namespace aligngs {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "io/atomic_file.h"
 
 namespace aligngs {

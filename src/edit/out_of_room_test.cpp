@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 
 namespace aligngs {
 namespace {

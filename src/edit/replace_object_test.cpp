@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "edit/edit_change_file.h"
 #include "edit/export/moved_room.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
 

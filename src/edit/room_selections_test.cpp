@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "edit/apply_edit.h"
 #include "edit/edit_change.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 
 namespace aligngs {
 namespace {

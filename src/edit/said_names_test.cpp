@@ -1,7 +1,7 @@
 // Objects as people name them, in a bedroom of boxes.
 #include <gmock/gmock.h>
 
-#include "edit/relation/bedroom_for_tests.h"
+#include "edit/relation/testing/bedroom.h"
 
 namespace aligngs {
 namespace {

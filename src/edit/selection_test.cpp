@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "edit/object_names.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "edit/edit_text.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 
 namespace aligngs {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "io/colmap_text.h"
+#include "io/testing/valid_files.h"
 #include "io/toml_file.h"
-#include "io/valid_files_for_tests.h"
 
 namespace aligngs {
 namespace {

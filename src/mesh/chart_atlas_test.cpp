@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "mesh/charts.h"
-#include "mesh/grid_for_tests.h"
+#include "mesh/testing/grid.h"
 
 namespace aligngs {
 namespace {

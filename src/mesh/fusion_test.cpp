@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/quaternion.h"
-#include "mesh/analytic_scenes_for_tests.h"
+#include "mesh/testing/analytic_scenes.h"
 #include "mesh/tsdf_voxel.h"
 #include "metrics/surface_points.h"
 #include "scene/depth_normals.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "io/image_file.h"
-#include "mesh/analytic_scenes_for_tests.h"
 #include "mesh/fusion.h"
+#include "mesh/testing/analytic_scenes.h"
 #include "metrics/mesh_distance.h"
 #include "metrics/mesh_protocols.h"
 #include "metrics/surface_points.h"

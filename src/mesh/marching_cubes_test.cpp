@@ -6,8 +6,8 @@
 #include <set>
 
 #include "core/random.h"
-#include "mesh/analytic_scenes_for_tests.h"
 #include "mesh/marching_cubes_table.h"
+#include "mesh/testing/analytic_scenes.h"
 
 namespace aligngs {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/analytic_scenes_for_tests.h"
+#include "mesh/testing/analytic_scenes.h"
 
 namespace aligngs {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "mesh/analytic_scenes_for_tests.h"
+#include "mesh/testing/analytic_scenes.h"
 #include "scene/depth_normals.h"
 
 namespace aligngs {

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "mesh/close_mesh.h"
-#include "mesh/grid_for_tests.h"
+#include "mesh/testing/grid.h"
 #include "metrics/visibility.h"
 
 namespace aligngs {

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "nn/tensor.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::nn {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "nn/small_networks.h"
+#include "nn/testing/small_networks.h"
 
 namespace aligngs::nn {
 namespace {

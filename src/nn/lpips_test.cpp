@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::nn {
 namespace {

@@ -12,8 +12,8 @@
 #include "nn/bn_head.h"
 #include "nn/depther.h"
 #include "nn/mask2former.h"
+#include "nn/testing/weights.h"
 #include "nn/vggt.h"
-#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {

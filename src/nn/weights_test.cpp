@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/stop_signal.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::nn {
 namespace {

@@ -12,7 +12,7 @@
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "refine/bundle_adjustment.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
 

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
-#include "priors/loopback_server_for_tests.h"
+#include "priors/testing/loopback_server.h"
 
 namespace aligngs {
 namespace {

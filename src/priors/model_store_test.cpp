@@ -5,14 +5,14 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "core/error_for_tests.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "core/testing/error.h"
 #include "io/atomic_file.h"
 #include "io/safetensors.h"
 #include "priors/http_download.h"
-#include "priors/loopback_server_for_tests.h"
 #include "priors/model_download.h"
+#include "priors/testing/loopback_server.h"
 #include "scene/sha256.h"
 
 namespace aligngs {

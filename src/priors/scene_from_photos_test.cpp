@@ -6,7 +6,7 @@
 
 #include "io/npy.h"
 #include "io/safetensors.h"
-#include "priors/from_photos_for_tests.h"
+#include "priors/testing/from_photos.h"
 #include "scene/scene_json.h"
 #include "scene/view_data.h"
 

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "priors/from_photos_for_tests.h"
+#include "priors/testing/from_photos.h"
 #include "scene/scene_json.h"
 #include "scene/segment_file.h"
 #include "scene/view_data.h"

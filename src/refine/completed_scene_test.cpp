@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/srgb.h"
 #include "io/npy.h"
-#include "refine/wall_photos_for_tests.h"
+#include "refine/testing/wall_photos.h"
 #include "scene/scene_writer.h"
 
 namespace aligngs {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/median.h"
-#include "refine/wall_photos_for_tests.h"
+#include "refine/testing/wall_photos.h"
 
 namespace aligngs {
 namespace {

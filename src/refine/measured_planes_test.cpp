@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "refine/wall_photos_for_tests.h"
+#include "refine/testing/wall_photos.h"
 
 namespace aligngs {
 namespace {

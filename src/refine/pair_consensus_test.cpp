@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "core/rotation_vector.h"
-#include "refine/small_camera_for_tests.h"
+#include "refine/testing/small_camera.h"
 
 namespace aligngs {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "core/rotation_vector.h"
 #include "refine/bundle_adjustment.h"
-#include "refine/small_camera_for_tests.h"
+#include "refine/testing/small_camera.h"
 
 namespace aligngs {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "refine/wall_photos_for_tests.h"
+#include "refine/testing/wall_photos.h"
 
 namespace aligngs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "refine/screen_room_for_tests.h"
+#include "refine/testing/screen_room.h"
 
 namespace aligngs {
 namespace {

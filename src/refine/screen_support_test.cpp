@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "refine/screen_room_for_tests.h"
+#include "refine/testing/screen_room.h"
 
 namespace aligngs {
 namespace {

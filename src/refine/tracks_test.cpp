@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "refine/wall_photos_for_tests.h"
+#include "refine/testing/wall_photos.h"
 
 namespace aligngs {
 namespace {

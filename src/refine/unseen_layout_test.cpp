@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "refine/box_room_for_tests.h"
+#include "refine/testing/box_room.h"
 
 namespace aligngs {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/angles.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 #include "scene/look_at.h"
 
 namespace aligngs {

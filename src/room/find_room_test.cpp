@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "refine/box_room_for_tests.h"
+#include "refine/testing/box_room.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

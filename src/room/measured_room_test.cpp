@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 
 namespace aligngs {
 namespace {

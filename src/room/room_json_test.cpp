@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 
 namespace aligngs {
 namespace {

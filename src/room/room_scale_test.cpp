@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 
 namespace aligngs {
 namespace {

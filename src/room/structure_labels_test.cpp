@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "room/solid_room_for_tests.h"
+#include "room/testing/solid_room.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "room/solid_room_for_tests.h"
+#include "room/testing/solid_room.h"
 
 namespace aligngs {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 
 namespace aligngs {
 namespace {

@@ -9,8 +9,8 @@
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "scene/image_quality.h"
-#include "scene/scene_folder_for_tests.h"
 #include "scene/segment_file.h"
+#include "scene/testing/scene_folder.h"
 
 namespace aligngs {
 namespace {

@@ -8,7 +8,7 @@
 #include "io/colmap.h"
 #include "io/image_file.h"
 #include "io/torch_archive.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 
 namespace aligngs {
 namespace {

@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 
 namespace aligngs {
 namespace {

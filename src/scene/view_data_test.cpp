@@ -9,8 +9,8 @@
 #include "core/half.h"
 #include "core/srgb.h"
 #include "io/image_file.h"
-#include "scene/scene_folder_for_tests.h"
 #include "scene/scene_json.h"
+#include "scene/testing/scene_folder.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

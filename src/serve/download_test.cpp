@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "io/gzip.h"
-#include "serve/view_server_for_tests.h"
+#include "serve/testing/view_server.h"
 
 namespace aligngs {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "edit/edit_change.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "io/gzip.h"
 #include "io/json_text.h"
 

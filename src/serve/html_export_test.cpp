@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "edit/edit_change.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 

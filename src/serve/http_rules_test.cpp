@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "serve/view_server_for_tests.h"
+#include "serve/testing/view_server.h"
 
 namespace aligngs {
 namespace {

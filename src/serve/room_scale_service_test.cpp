@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "io/json_text.h"
 #include "room/room_json.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 
 namespace aligngs {
 namespace {

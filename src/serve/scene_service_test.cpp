@@ -3,7 +3,7 @@
 
 #include "io/gzip.h"
 #include "io/ply.h"
-#include "serve/view_server_for_tests.h"
+#include "serve/testing/view_server.h"
 
 namespace aligngs {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "gaussians/gaussian_ply.h"
 #include "io/image_file.h"
-#include "serve/view_server_for_tests.h"
+#include "serve/testing/view_server.h"
 #include "train/run_control.h"
 
 namespace aligngs {

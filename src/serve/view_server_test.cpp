@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "io/json_text.h"
-#include "serve/view_server_for_tests.h"
+#include "serve/testing/view_server.h"
 #include "train/run_control.h"
 
 namespace aligngs {

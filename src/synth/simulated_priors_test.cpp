@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 #include "scene/view_data.h"
 
 namespace aligngs {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "train/trained_room_for_tests.h"
+#include "train/testing/trained_room.h"
 
 namespace aligngs {
 namespace {

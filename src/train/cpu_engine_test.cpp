@@ -4,10 +4,10 @@
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
-#include "scene/scene_folder_for_tests.h"
-#include "train/resumed_runs_for_tests.h"
+#include "scene/testing/scene_folder.h"
 #include "train/run_folder.h"
-#include "train/textured_scene_for_tests.h"
+#include "train/testing/resumed_runs.h"
+#include "train/testing/textured_scene.h"
 #include "train/train_run.h"
 
 namespace aligngs {

@@ -12,7 +12,7 @@
 #include "train/run_folder.h"
 #include "train/run_record.h"
 #include "train/scene_maintenance.h"
-#include "train/textured_scene_for_tests.h"
+#include "train/testing/textured_scene.h"
 #include "train/train_run.h"
 #include "train/training_set.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "train/checkpoint.h"
-#include "train/fake_runs_for_tests.h"
+#include "train/testing/fake_runs.h"
 
 namespace aligngs {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "train/fake_engine.h"
+#include "train/testing/fake_engine.h"
 
 namespace aligngs {
 namespace {

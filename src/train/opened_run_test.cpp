@@ -10,9 +10,9 @@
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
-#include "scene/scene_folder_for_tests.h"
-#include "train/fake_engine.h"
+#include "scene/testing/scene_folder.h"
 #include "train/run_folder.h"
+#include "train/testing/fake_engine.h"
 #include "train/train_run.h"
 
 namespace aligngs {

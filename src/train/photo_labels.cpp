@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/cpu/active_classes.h"
+#include "engine/shared/active_classes.h"
 #include "gaussians/label_smoothing.h"
 #include "scene/semantic_target.h"
 #include "scene/triangle_mesh.h"
@@ -160,10 +160,10 @@ void write_decisions(const SoftLabels& soft, const std::vector<uint16_t>& label,
 PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, ThreadPool& pool) {
   PhotoLabelReport report;
   if (model.semantic_channels == 0 || model.size() == 0 || inputs.views.empty()) return report;
-  const cpu::ActiveClasses active = cpu::find_active_classes(inputs.views, kRanked, pool);
+  const ActiveClasses active = find_active_classes(inputs.views, kRanked, pool);
   if (active.classes != model.semantic_channels) return report;
   for (TrainingView& view : inputs.views) {
-    cpu::compress_target(active, pool, view.data.semantics);
+    compress_target(active, pool, view.data.semantics);
     weigh_by_scores(view.data.semantics);
   }
   std::vector<uint16_t> classes = active.active;

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "io/atomic_file.h"
-#include "train/resumed_runs_for_tests.h"
-#include "train/room_scene_for_tests.h"
 #include "train/run_folder.h"
+#include "train/testing/resumed_runs.h"
+#include "train/testing/room_scene.h"
 
 namespace aligngs {
 namespace {

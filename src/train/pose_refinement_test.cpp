@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/rotation_vector.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/engine.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs {
 namespace {

@@ -11,7 +11,7 @@
 #include "io/json_text.h"
 #include "train/config_keys.h"
 #include "train/run_folder.h"
-#include "train/textured_scene_for_tests.h"
+#include "train/testing/textured_scene.h"
 #include "train/train_run.h"
 
 namespace aligngs {

@@ -10,10 +10,10 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "train/checkpoint.h"
-#include "train/fake_engine.h"
-#include "train/fake_runs_for_tests.h"
 #include "train/run_control.h"
 #include "train/run_record.h"
+#include "train/testing/fake_engine.h"
+#include "train/testing/fake_runs.h"
 
 namespace aligngs {
 namespace {

@@ -8,12 +8,12 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/colmap.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 #include "train/checkpoint.h"
-#include "train/fake_engine.h"
-#include "train/fake_runs_for_tests.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
+#include "train/testing/fake_engine.h"
+#include "train/testing/fake_runs.h"
 
 namespace aligngs {
 namespace {

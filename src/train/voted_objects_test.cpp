@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "scene/scene_folder_for_tests.h"
 #include "scene/segment_file.h"
+#include "scene/testing/scene_folder.h"
 #include "train/config_file.h"
 
 namespace aligngs {

@@ -8,15 +8,15 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "engine/cuda/cuda_engine.h"
 #include "io/atomic_file.h"
-#include "scene/scene_folder_for_tests.h"
+#include "scene/testing/scene_folder.h"
 #include "train/checkpoint.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
+#include "train/testing/watched_engine.h"
 #include "train/train_run.h"
-#include "train/watched_engine.h"
 
 namespace aligngs {
 namespace {

@@ -4,11 +4,11 @@
 #include "core/error.h"
 #include "edit/edit_change_file.h"
 #include "io/exif_focal_length.h"
-#include "io/valid_files_for_tests.h"
+#include "io/testing/valid_files.h"
 #include "io/zip_archive.h"
 #include "io/zip_writer.h"
 #include "room/room_json.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 #include "scene/segment_file.h"
 #include "split_input.h"
 

@@ -11,7 +11,7 @@
 #include "cli/page_server.h"
 #include "io/json_text.h"
 #include "process.h"
-#include "serve/http_client_for_tests.h"
+#include "serve/testing/http_client.h"
 #include "small_scene.h"
 
 namespace aligngs::testing_support {

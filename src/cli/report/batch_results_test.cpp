@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "batch/fake_program_for_tests.h"
+#include "batch/testing/fake_program.h"
 
 namespace aligngs {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "core/error.h"
 #include "edit/export/chosen_objects.h"
-#include "edit/export/painted_photos_for_tests.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/export/testing/painted_photos.h"
+#include "edit/testing/small_room.h"
 
 namespace aligngs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "edit/export/scene_export.h"
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 #include "io/atomic_file.h"
 
 namespace aligngs {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/small_room_for_tests.h"
+#include "edit/testing/small_room.h"
 
 namespace aligngs {
 namespace {

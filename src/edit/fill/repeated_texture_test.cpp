@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "core/random.h"
-#include "edit/fill/square_grid_for_tests.h"
+#include "edit/fill/testing/square_grid.h"
 
 namespace aligngs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "edit/fill/square_grid_for_tests.h"
+#include "edit/fill/testing/square_grid.h"
 
 namespace aligngs {
 namespace {

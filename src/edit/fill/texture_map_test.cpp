@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "edit/fill/square_grid_for_tests.h"
+#include "edit/fill/testing/square_grid.h"
 
 namespace aligngs {
 namespace {

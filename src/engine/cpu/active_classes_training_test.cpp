@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "engine/cpu/active_class_scenes.h"
-#include "engine/cpu/active_classes.h"
 #include "engine/cpu/matrix_tiles.h"
+#include "engine/cpu/testing/active_class_scenes.h"
 #include "engine/formulas/teacher_sampling.h"
+#include "engine/shared/active_classes.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs::cpu {

@@ -5,13 +5,9 @@
 #include <cstdint>
 
 #include "engine/formulas/adam.h"
+#include "engine/shared/optimiser_settings.h"
 
 namespace aligngs::cpu {
-
-/// Gradients beyond this count as non-finite. Within it a step keeps finite numbers finite, given 0 <= beta < 1,
-/// epsilon >= 1e-20 and a rate <= 1e4. The second moment stays below 1e34 and |m| / sqrt(v) is bounded, so a parameter
-/// moves by some ten times its rate at most. Hence checking the gradients suffices, and nothing has to be rolled back.
-inline constexpr float kGradientLimit = 1e17f;
 
 /// True when |values| <= limit throughout (false with a NaN).
 bool all_within(const float* values, size_t count, float limit);

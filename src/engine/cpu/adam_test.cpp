@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "engine/cpu/aligned_array.h"
 #include "engine/cpu/bf16_packing.h"
-#include "engine/cpu/each_instruction_set_for_tests.h"
+#include "engine/cpu/testing/each_instruction_set.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/semantic_loss.h"
 #include "gaussians/gaussian_model.h"

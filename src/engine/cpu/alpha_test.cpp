@@ -1,6 +1,6 @@
 // The vectors' alpha against the scalar formula in double precision. Most cases lie near the two thresholds that decide
 // whether a Gaussian takes part in a pixel.
-#include "engine/cpu/each_instruction_set_for_tests.h"
+#include "engine/cpu/testing/each_instruction_set.h"
 
 #include <gtest/gtest.h>
 

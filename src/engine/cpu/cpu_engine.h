@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "core/thread_pool.h"
-#include "engine/cpu/active_classes.h"
 #include "engine/cpu/optimiser.h"
 #include "engine/cpu/reduce.h"
 #include "engine/engine.h"
 #include "engine/formulas/semantic_loss.h"
 #include "engine/losses/map_losses.h"
+#include "engine/shared/active_classes.h"
 
 namespace aligngs::cpu {
 

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "core/error.h"
-#include "engine/cpu/engine_runs_for_tests.h"
-#include "engine/cpu/scenes_for_tests.h"
+#include "engine/cpu/testing/engine_runs.h"
 #include "engine/engine_arrays.h"
 #include "engine/formulas/adam.h"
+#include "engine/testing/scenes.h"
 #include "gaussians/morton_order.h"
 #include "gaussians/restructure.h"
 #include "scene/triangle_mesh.h"

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/engine_runs_for_tests.h"
+#include "engine/cpu/testing/engine_runs.h"
 #include "engine/engine_arrays.h"
 #include "engine/formulas/shape_terms.h"
 

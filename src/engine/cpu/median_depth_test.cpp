@@ -5,7 +5,7 @@
 #include <hwy/targets.h>
 
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/scenes_for_tests.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs::cpu {
 namespace {

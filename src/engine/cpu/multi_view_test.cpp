@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "engine/cpu/two_view_scene.h"
+#include "engine/testing/two_view_scene.h"
 
 namespace aligngs::cpu {
 namespace {

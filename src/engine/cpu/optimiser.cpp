@@ -16,13 +16,6 @@ constexpr size_t kNumbersPerTask = 16384;  ///< a multiple of every vector lengt
 constexpr size_t kUpdatedRowsPerTask = 512;
 constexpr size_t kUpdatedRowsAhead = 2;  ///< semantic rows, of which an update reads four
 
-void check(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw_usage(std::string(name) + " is " + std::to_string(value) + ", outside [" + std::to_string(low) + ", " +
-                  std::to_string(high) + "]",
-              "correct the optimiser's settings");
-}
-
 void flat_adam(const AdamStep<float>& step, const AlignedArray<float>& gradients, ThreadPool& pool,
                std::vector<float>& parameters, std::vector<float>& m, std::vector<float>& v) {
   pool.parallel_for(parameters.size(), kNumbersPerTask, [&](size_t begin, size_t end, int) {
@@ -82,20 +75,6 @@ void semantic_adam(const StepRequest& request, const SemanticGradients& semantic
 }
 
 }  // namespace
-
-void check_optimiser_settings(const StepRequest& request) {
-  const LearningRates& r = request.rates;
-  check("the rate of positions", r.position, 0, 1e4);
-  check("the rate of colours", r.sh_dc, 0, 1e4);
-  check("the rate of view-dependent colours", r.sh_rest, 0, 1e4);
-  check("the rate of opacities", r.opacity, 0, 1e4);
-  check("the rate of scales", r.scale, 0, 1e4);
-  check("the rate of rotations", r.rotation, 0, 1e4);
-  check("the rate of semantics", r.semantic, 0, 1e4);
-  check("Adam's beta1", request.adam.beta1, 0, 0.999999);
-  check("Adam's beta2", request.adam.beta2, 0, 0.999999);
-  check("Adam's epsilon", request.adam.epsilon, 1e-20, 1);
-}
 
 void optimise(const StepRequest& request, const ParameterGradients& gradients, const SemanticGradients& semantics,
               const ProjectedView& view, ThreadPool& pool, GaussianModel& model, AdamMoments& moments) {

@@ -26,9 +26,6 @@ struct SemanticGradients {
   uint16_t* rounded = nullptr;
 };
 
-/// Throws Error{kUsage} when a rate, a beta or epsilon is outside what adam.h allows.
-void check_optimiser_settings(const StepRequest& request);
-
 /// Updates model and moments, then applies request.limits. All gradients must be within kGradientLimit.
 void optimise(const StepRequest& request, const ParameterGradients& gradients, const SemanticGradients& semantics,
               const ProjectedView& view, ThreadPool& pool, GaussianModel& model, AdamMoments& moments);

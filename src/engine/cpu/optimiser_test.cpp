@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/formulas/adam.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs::cpu {
 namespace {

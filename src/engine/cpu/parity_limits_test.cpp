@@ -2,9 +2,9 @@
 // a tile, alphas and transmittances near their thresholds. One case is a window of a scene with the tile statistics of
 // a real room.
 #include "engine/benchmark/benchmark_room.h"
-#include "engine/cpu/parity.h"
 #include "engine/cpu/project.h"
-#include "engine/cpu/threshold_scenes.h"
+#include "engine/cpu/testing/parity.h"
+#include "engine/cpu/testing/threshold_scenes.h"
 #include "engine/cpu/tile_statistics.h"
 #include "engine/prepare_view.h"
 #include "gaussians/restructure.h"

@@ -1,6 +1,6 @@
 // The engine against the scalar reference in double precision, loss by loss and scene by scene.
-#include "engine/cpu/parity.h"
-#include "engine/cpu/each_instruction_set_for_tests.h"
+#include "engine/cpu/testing/parity.h"
+#include "engine/cpu/testing/each_instruction_set.h"
 
 #include <hwy/targets.h>
 

@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "engine/cpu/project.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cpu/tile_passes.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs::cpu {
 namespace {

@@ -188,29 +188,9 @@ bool block_has_teacher(const SemanticStep& step, const BlockWeights& block) {
   return false;
 }
 
-void prepare_semantic_view(const TrainingView& view, int classes, ThreadPool& pool, SemanticView& out) {
-  const SemanticTarget& target = view.data.semantics;
-  const int width = view.data.camera.width, height = view.data.camera.height;
-  const size_t padded = padded_channels(target.channels);
-  out.negative_entropy.assign(size_t(width) * height, 0.0f);
-  out.top_class.assign(size_t(width) * height, kNoLabel);
-  std::vector<size_t> valid(static_cast<size_t>(height), 0);
-  SemanticStep step;
-  step.view = &view;
-  pool.parallel_for(static_cast<size_t>(height), 8, [&](size_t begin, size_t end, int) {
-    AlignedArray<float> teacher(padded);
-    for (size_t y = begin; y < end; ++y) {
-      for (int x = 0; x < width; ++x) {
-        if (!sample_teacher_padded(step, x, static_cast<int>(y), teacher.data())) continue;
-        out.negative_entropy[y * width + x] = HWY_DYNAMIC_DISPATCH(NegativeEntropy)(teacher.data(), padded);
-        out.top_class[y * width + x] = static_cast<uint16_t>(arg_max(teacher.data(), classes));
-        ++valid[y];
-      }
-    }
-  });
-  out.valid = 0;
-  for (const size_t n : valid) out.valid += n;
-  out.ready = true;
+/// sum t log t over a padded row.
+static float negative_entropy(const float* teacher, size_t padded) {
+  return HWY_DYNAMIC_DISPATCH(NegativeEntropy)(teacher, padded);
 }
 
 void semantic_block_loss(const SemanticStep& step, const BlockWeights& block, SemanticBlock& scratch) {
@@ -226,4 +206,33 @@ bool sample_teacher_padded(const SemanticStep& step, int x, int y, float* teache
 }
 
 }  // namespace aligngs::cpu
+
+namespace aligngs {
+
+void prepare_semantic_view(const TrainingView& view, int classes, ThreadPool& pool, SemanticView& out) {
+  const SemanticTarget& target = view.data.semantics;
+  const int width = view.data.camera.width, height = view.data.camera.height;
+  const size_t padded = cpu::padded_channels(target.channels);
+  out.negative_entropy.assign(size_t(width) * height, 0.0f);
+  out.top_class.assign(size_t(width) * height, kNoLabel);
+  std::vector<size_t> valid(static_cast<size_t>(height), 0);
+  cpu::SemanticStep step;
+  step.view = &view;
+  pool.parallel_for(static_cast<size_t>(height), 8, [&](size_t begin, size_t end, int) {
+    cpu::AlignedArray<float> teacher(padded);
+    for (size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (!cpu::sample_teacher_padded(step, x, static_cast<int>(y), teacher.data())) continue;
+        out.negative_entropy[y * width + x] = cpu::negative_entropy(teacher.data(), padded);
+        out.top_class[y * width + x] = static_cast<uint16_t>(arg_max(teacher.data(), classes));
+        ++valid[y];
+      }
+    }
+  });
+  out.valid = 0;
+  for (const size_t n : valid) out.valid += n;
+  out.ready = true;
+}
+
+}  // namespace aligngs
 #endif

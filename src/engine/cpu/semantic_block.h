@@ -2,9 +2,9 @@
 #pragma once
 
 #include "engine/cpu/aligned_array.h"
-#include "engine/cpu/semantic_view.h"
 #include "engine/cpu/tile_weights.h"
 #include "engine/settings.h"
+#include "engine/shared/semantic_view.h"
 
 namespace aligngs::cpu {
 

@@ -1,7 +1,7 @@
 // The semantic visit to one tile against the formulas in double precision: every way to form the products, on tiles
 // made by hand.
-#include "engine/cpu/each_instruction_set_for_tests.h"
-#include "engine/cpu/hand_made_tile.h"
+#include "engine/cpu/testing/each_instruction_set.h"
+#include "engine/cpu/testing/hand_made_tile.h"
 
 #include <hwy/targets.h>
 

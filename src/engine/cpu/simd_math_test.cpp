@@ -1,6 +1,6 @@
 // How far the vector functions are from the true values, with every instruction set of this machine. The bounds are
 // those that their comments state.
-#include "engine/cpu/each_instruction_set_for_tests.h"
+#include "engine/cpu/testing/each_instruction_set.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "core/half.h"
 #include "core/random.h"
-#include "engine/cpu/active_classes.h"
+#include "engine/shared/active_classes.h"
 
 namespace aligngs::cpu {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "device/tolerances.h"
 #include "engine/cuda/blend_forward.h"
-#include "engine/cuda/view_for_tests.h"
+#include "engine/cuda/testing/view.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "device/emulation/emulation.h"
 #endif

@@ -7,7 +7,6 @@
 
 #include "core/error.h"
 #include "device/constants.h"
-#include "engine/cpu/optimiser.h"
 #include "engine/cuda/blend_forward.h"
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/map_losses.h"
@@ -16,6 +15,7 @@
 #include "engine/cuda/project.h"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/cuda/shape_terms.h"
+#include "engine/shared/optimiser_settings.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -236,7 +236,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const View
 
 StepReport CudaEngine::step(const StepRequest& request) {
   check_step_request(request, views_.size());
-  cpu::check_optimiser_settings(request);
+  check_optimiser_settings(request);
   const auto start = std::chrono::steady_clock::now();
   ViewOnDevice& view = views_[static_cast<size_t>(request.view)];
   const bool semantics = semantics_active(request, view);

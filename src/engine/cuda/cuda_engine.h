@@ -8,8 +8,6 @@
 #include "core/thread_pool.h"
 #include "device/stage_timer.h"
 #include "device/step_graph.h"
-#include "engine/cpu/active_classes.h"
-#include "engine/cpu/semantic_block.h"
 #include "engine/cuda/density.h"
 #include "engine/cuda/device_frame.h"
 #include "engine/cuda/engine_options.h"
@@ -23,6 +21,7 @@
 #include "engine/engine.h"
 #include "engine/engine_arrays.h"
 #include "engine/maps.h"
+#include "engine/shared/active_classes.h"
 
 namespace aligngs::cuda {
 
@@ -151,9 +150,9 @@ class CudaEngine final : public Engine {
   DeviceArray<float> neighbour_depth_;             ///< of the step in progress
   DeviceArray<unsigned long long> neighbour_bad_;  ///< [1]
 
-  int active_top_ = 0;         ///< EngineInputs
-  cpu::ActiveClasses active_;  ///< of the training views, whose targets hold its channels
-  cpu::ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
+  int active_top_ = 0;    ///< EngineInputs
+  ActiveClasses active_;  ///< of the training views, whose targets hold its channels
+  ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
 
   mutable DeviceArena arena_;
   std::unique_ptr<PinnedMemory> read_back_;

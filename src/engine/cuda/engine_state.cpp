@@ -21,10 +21,10 @@ void CudaEngine::load(const GaussianModel& model) {
 }
 
 void CudaEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
-  map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : cpu::ActiveClasses();
+  map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : ActiveClasses();
   last_ = {};
   graph_->drop();
-  const auto take_in = [&](const GaussianModel& from, cpu::RowKind kind, const char* what, ModelArrays& to) {
+  const auto take_in = [&](const GaussianModel& from, RowKind kind, const char* what, ModelArrays& to) {
     if (!map_.has_remainder()) {
       to.upload(*context_, from, what);
       return;
@@ -34,11 +34,11 @@ void CudaEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
     rows.semantic_channels = map_.channels();
     to.upload(*context_, rows, what);
   };
-  take_in(model, cpu::RowKind::kLogits, "the Gaussians", model_);
+  take_in(model, RowKind::kLogits, "the Gaussians", model_);
   sh_degree_ = model.sh_degree;
   if (moments != nullptr) {
-    take_in(moments->m, cpu::RowKind::kMoments, "the optimiser's moments", m_);
-    take_in(moments->v, cpu::RowKind::kMoments, "the optimiser's moments", v_);
+    take_in(moments->m, RowKind::kMoments, "the optimiser's moments", m_);
+    take_in(moments->v, RowKind::kMoments, "the optimiser's moments", v_);
     semantic_updates_.assign(*context_, moments->semantic_updates, "the optimiser's moments");
     sh_used_ = moments->sh_used;
     return;
@@ -119,19 +119,19 @@ void CudaEngine::prepare(EngineInputs inputs) {
 }
 
 void CudaEngine::set_training_views(std::vector<TrainingView> views) {
-  active_ = cpu::find_active_classes(views, active_top_, *pool_);
+  active_ = find_active_classes(views, active_top_, *pool_);
   graph_->drop();
   views_.clear();
   for (TrainingView& view : views) {
     const SemanticTarget& target = view.data.semantics;
-    cpu::compress_target(active_, *pool_, view.data.semantics);
+    compress_target(active_, *pool_, view.data.semantics);
     if (!target.empty()) check_semantic_channels(*context_, target.channels);
     ViewOnDevice on_device;
     on_device.camera = view.data.camera;
     on_device.maps = TrainingMaps(*context_, view);
     if (!target.empty()) {
-      cpu::SemanticView cache;
-      cpu::prepare_semantic_view(view, target.channels - (active_.has_remainder() ? 1 : 0), *pool_, cache);
+      SemanticView cache;
+      prepare_semantic_view(view, target.channels - (active_.has_remainder() ? 1 : 0), *pool_, cache);
       on_device.teacher = TeacherMaps(*context_, view, cache);
       on_device.teacher_channels = target.channels;
     }
@@ -179,7 +179,7 @@ void CudaEngine::raise_scales(const std::vector<float>& log_floors) {
 }
 
 std::optional<OwnMemory> CudaEngine::own_memory(const std::vector<TrainingView>& views, int active_top) const {
-  const cpu::ActiveClasses active = cpu::find_active_classes(views, active_top, *pool_);
+  const ActiveClasses active = find_active_classes(views, active_top, *pool_);
   OwnMemory own;
   own.limit = context_->budget();
   if (active.has_remainder()) own.channels = active.channels();

@@ -4,12 +4,12 @@
 #include <limits>
 
 #include "core/error.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "device/tolerances.h"
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/cuda_engine.h"
 #include "engine/cuda/make_engine.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -5,11 +5,11 @@
 #include <map>
 #include <set>
 
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "device/tolerances.h"
 #include "engine/benchmark/step_benchmark.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/cuda_engine.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -3,16 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "device/constants.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "device/tolerances.h"
 #include "engine/cpu/binning.h"
 #include "engine/cpu/project.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/blend_forward.h"
 #include "engine/cuda/device_frame.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/project.h"
+#include "engine/testing/scenes.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "engine/cuda/maps_for_tests.h"
+#include "engine/cuda/testing/maps.h"
 #include "engine/formulas/photometric.h"
 #include "scene/triangle_mesh.h"
 #ifdef ALIGNGS_CUDA_EMULATED

@@ -5,10 +5,10 @@
 
 #include <limits>
 
-#include "engine/cpu/two_view_scene.h"
 #include "engine/cuda/cuda_engine.h"
-#include "engine/cuda/maps_for_tests.h"
-#include "engine/losses/two_view_maps.h"
+#include "engine/cuda/testing/maps.h"
+#include "engine/losses/testing/two_view_maps.h"
+#include "engine/testing/two_view_scene.h"
 
 namespace aligngs::cuda {
 namespace {

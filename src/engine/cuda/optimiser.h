@@ -24,7 +24,7 @@ struct OptimiserState {
 };
 
 /// One step. Only the first `sh_used` numbers of a row of sh, rounded up to four, are visited: the others must have
-/// neither moments nor gradients. Settings must have passed cpu::check_optimiser_settings.
+/// neither moments nor gradients. Settings must have passed check_optimiser_settings.
 void optimise(const DeviceContext& context, const StepRequest& request, const OptimiserInputs& in,
               const OptimiserState& state, size_t sh_used);
 

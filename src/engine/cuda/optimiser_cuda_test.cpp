@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/random.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "device/tolerances.h"
 #include "engine/cpu/optimiser.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/semantic_rows.h"
-#include "engine/request_for_tests.h"
+#include "engine/testing/request.h"
 
 namespace aligngs::cuda {
 namespace {

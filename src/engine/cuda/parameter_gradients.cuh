@@ -2,12 +2,12 @@
 #pragma once
 
 #include "device/constants.h"
-#include "engine/cpu/adam.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/warp_sums.cuh"
 #include "engine/formulas/color.h"
 #include "engine/formulas/shape_terms.h"
 #include "engine/formulas/whitened.h"
+#include "engine/shared/optimiser_settings.h"
 
 namespace aligngs::cuda {
 
@@ -78,7 +78,7 @@ __device__ __forceinline__ RowSums sum_slots(const ParameterGradientInputs& in, 
 }
 
 /// False for NaN.
-__device__ __forceinline__ bool within_limit(float x) { return std::abs(x) <= cpu::kGradientLimit; }
+__device__ __forceinline__ bool within_limit(float x) { return std::abs(x) <= kGradientLimit; }
 __device__ __forceinline__ bool within_limit(const Vec3<float>& v) {
   return within_limit(v.x) && within_limit(v.y) && within_limit(v.z);
 }

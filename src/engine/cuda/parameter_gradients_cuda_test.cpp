@@ -9,8 +9,8 @@
 
 #include "core/random.h"
 #include "device/tolerances.h"
-#include "engine/cuda/view_for_tests.h"
-#include "engine/request_for_tests.h"
+#include "engine/cuda/testing/view.h"
+#include "engine/testing/request.h"
 
 namespace aligngs::cuda {
 namespace {

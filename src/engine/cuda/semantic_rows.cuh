@@ -2,10 +2,10 @@
 #pragma once
 
 #include "device/constants.h"
-#include "engine/cpu/adam.h"
 #include "engine/cuda/lane_channels.cuh"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/semantic_rows.h"
+#include "engine/shared/optimiser_settings.h"
 
 namespace aligngs::cuda {
 
@@ -142,7 +142,7 @@ __global__ void __launch_bounds__(kRowWarps* kWarp)
   for (int k = 0; k < kLaneChannels; ++k) {
     const int c = lane_channel(k);
     if (c >= padded) continue;
-    good = good && (c >= channels || std::abs(g[k]) <= cpu::kGradientLimit);
+    good = good && (c >= channels || std::abs(g[k]) <= kGradientLimit);
     out.gradients[at + static_cast<size_t>(c)] = c < channels ? g[k] : 0.0f;
   }
   if (!__all_sync(kFullWarp, good) && lane_index() == 0) {

@@ -15,9 +15,9 @@
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/semantic_visit.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/view_for_tests.h"
+#include "engine/cuda/testing/view.h"
 #include "engine/formulas/semantic_loss.h"
-#include "engine/request_for_tests.h"
+#include "engine/testing/request.h"
 #include "scene/semantic_target.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "device/emulation/emulation.h"
@@ -78,7 +78,7 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
     padded = static_cast<size_t>(padded_channels(o.scene.channels));
     counts = cpu::make_class_counts(o.scene.channels, o.remainder);
     cache = {};
-    cpu::prepare_semantic_view(training, counts.classes(), view->pool, cache);
+    prepare_semantic_view(training, counts.classes(), view->pool, cache);
     ASSERT_GT(cache.valid, 0u);
   }
 
@@ -275,7 +275,7 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
   TrainingView training;
   LossSettings losses = color_and_class_losses();
   std::unique_ptr<TestView> view;
-  cpu::SemanticView cache;
+  SemanticView cache;
   cpu::ClassCounts counts;
   size_t channels = 0, padded = 0;
   unsigned long long bad = 0;
@@ -419,7 +419,7 @@ TEST_P(CudaSemanticVisit, ATeacherFinerThanTheImageAndOneThatKnowsEverything) {
   }
   normalise_target(t);
   training.semantic_weight = ImageF();
-  cpu::prepare_semantic_view(training, counts.classes(), view->pool, cache);
+  prepare_semantic_view(training, counts.classes(), view->pool, cache);
   ASSERT_EQ(cache.valid, view->maps.pixels());
   expect_close();
 }

@@ -2,17 +2,17 @@
 #pragma once
 
 #include "device/constants.h"
-#include "engine/cpu/adam.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/shape_terms.h"
 #include "engine/formulas/shape_terms.h"
+#include "engine/shared/optimiser_settings.h"
 
 namespace aligngs::cuda {
 
 enum ShapeSum { kFlatten, kOpacity, kScale, kShapeSums };
 
-__device__ __forceinline__ bool usable(float gradient) { return std::abs(gradient) <= cpu::kGradientLimit; }
+__device__ __forceinline__ bool usable(float gradient) { return std::abs(gradient) <= kGradientLimit; }
 
 __global__ void __launch_bounds__(kRowThreads)
     shape_terms_kernel(ShapeTermInputs in, ShapeTermOutputs out, DeviceSpan<double> partial) {

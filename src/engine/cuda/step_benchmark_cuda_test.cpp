@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "engine/cuda/make_engine.h"
 
 namespace aligngs::cuda {

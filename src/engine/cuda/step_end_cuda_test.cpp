@@ -13,8 +13,8 @@
 #include "engine/cuda/memory_forecast.h"
 #include "engine/cuda/shape_terms.h"
 #include "engine/cuda/step_outcome.h"
-#include "engine/cuda/view_for_tests.h"
-#include "engine/request_for_tests.h"
+#include "engine/cuda/testing/view.h"
+#include "engine/testing/request.h"
 
 namespace aligngs::cuda {
 namespace {

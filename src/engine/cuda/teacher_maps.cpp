@@ -12,7 +12,7 @@ int stride_of(int channels) { return (channels + kStridePadding - 1) / kStridePa
 
 }  // namespace
 
-TeacherMaps::TeacherMaps(DeviceContext& context, const TrainingView& view, const cpu::SemanticView& cache) {
+TeacherMaps::TeacherMaps(DeviceContext& context, const TrainingView& view, const SemanticView& cache) {
   const SemanticTarget& target = view.data.semantics;
   shape_.width = target.width;
   shape_.height = target.height;

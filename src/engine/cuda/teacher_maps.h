@@ -1,13 +1,13 @@
 // A view's semantic teacher on the device, in compact form. It has float16 probabilities of the channels at the
-// teacher's own resolution, and ten bytes per image pixel. engine/cpu/active_classes.h gives the error against the full
+// teacher's own resolution, and ten bytes per image pixel. engine/shared/active_classes.h gives the error against the full
 // maps.
 #pragma once
 
 #include <cstdint>
 
 #include "device/device_memory.h"
-#include "engine/cpu/semantic_view.h"
 #include "engine/formulas/teacher_sampling.h"
+#include "engine/shared/semantic_view.h"
 
 namespace aligngs::cuda {
 
@@ -34,7 +34,7 @@ class TeacherMaps {
  public:
   TeacherMaps() = default;
   /// `view` must have semantics; `cache` is prepare_semantic_view's of the same view.
-  TeacherMaps(DeviceContext& context, const TrainingView& view, const cpu::SemanticView& cache);
+  TeacherMaps(DeviceContext& context, const TrainingView& view, const SemanticView& cache);
   TeacherSpans spans() const;
   /// Bytes of a view with these sizes.
   static uint64_t bytes(int channels, size_t teacher_pixels, size_t image_pixels);

@@ -1,5 +1,5 @@
 // The pieces of semantic_loss.h that belong to one channel, for engines that spread a pixel's channels over lanes. A
-// channel represents `count` classes of equal probability (engine/cpu/active_classes.h): 1, or n for the remainder.
+// channel represents `count` classes of equal probability (engine/shared/active_classes.h): 1, or n for the remainder.
 // With count == 1 everywhere they are exactly the terms of semantic_loss.h.
 #pragma once
 

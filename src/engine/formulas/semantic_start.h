@@ -13,7 +13,7 @@ namespace aligngs {
 inline constexpr float kPseudoCount = 0.01f, kShare = 2e-3f;
 
 /// row_c = log(sums_c / count_c + epsilon) minus the mean over all classes, with sums_c = sum over pixels of w t_c. The
-/// last channel represents `remainder` classes of equal probability (engine/cpu/active_classes.h); 0: it is one class.
+/// last channel represents `remainder` classes of equal probability (engine/shared/active_classes.h); 0: it is one class.
 ALIGNGS_HD inline void semantic_start(const float* sums, int channels, int remainder, float* row) {
   using std::log;
   double mass = 0, mean = 0, classes = 0;

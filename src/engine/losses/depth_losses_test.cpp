@@ -3,7 +3,7 @@
 
 #include "engine/losses/depth_map.h"
 #include "engine/losses/depth_pearson.h"
-#include "engine/losses/maps_for_tests.h"
+#include "engine/losses/testing/maps.h"
 
 namespace aligngs {
 namespace {

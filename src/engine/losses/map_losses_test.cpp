@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/error.h"
-#include "engine/losses/maps_for_tests.h"
-#include "engine/request_for_tests.h"
+#include "engine/losses/testing/maps.h"
+#include "engine/testing/request.h"
 
 namespace aligngs {
 namespace {

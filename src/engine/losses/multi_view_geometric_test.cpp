@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "engine/formulas/two_views.h"
-#include "engine/losses/two_view_maps.h"
+#include "engine/losses/testing/two_view_maps.h"
 
 namespace aligngs {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/formulas/patch_score.h"
-#include "engine/losses/two_view_maps.h"
+#include "engine/losses/testing/two_view_maps.h"
 
 namespace aligngs {
 namespace {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/losses/crease.h"
-#include "engine/losses/maps_for_tests.h"
 #include "engine/losses/normal_boundary.h"
+#include "engine/losses/testing/maps.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

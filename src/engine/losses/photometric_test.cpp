@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/losses/maps_for_tests.h"
 #include "engine/losses/ssim.h"
+#include "engine/losses/testing/maps.h"
 
 namespace aligngs {
 namespace {

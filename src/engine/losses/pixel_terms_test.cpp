@@ -12,9 +12,9 @@
 
 #include "engine/engine_arrays.h"
 #include "engine/losses/depth_map.h"
-#include "engine/losses/maps_for_tests.h"
 #include "engine/losses/pixel_rows.h"
 #include "engine/losses/terms/pixel_terms.h"
+#include "engine/losses/testing/maps.h"
 
 namespace aligngs {
 namespace {

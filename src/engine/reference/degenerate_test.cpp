@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "engine/reference/gradient_scene_for_tests.h"
+#include "engine/reference/testing/gradient_scene.h"
 
 namespace aligngs::reference {
 namespace {

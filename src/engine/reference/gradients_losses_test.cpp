@@ -1,7 +1,7 @@
 // Finite differences in double: every loss of the maps, from the parameters through rendering and back.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_scene_for_tests.h"
+#include "engine/reference/testing/gradient_scene.h"
 
 namespace aligngs::reference {
 namespace {

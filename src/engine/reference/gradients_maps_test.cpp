@@ -1,7 +1,7 @@
 // Finite differences in double: every parameter class through every rendered map.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_scene_for_tests.h"
+#include "engine/reference/testing/gradient_scene.h"
 
 namespace aligngs::reference {
 namespace {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/rotation_vector.h"
-#include "engine/reference/gradient_scene_for_tests.h"
 #include "engine/reference/reference_pose.h"
+#include "engine/reference/testing/gradient_scene.h"
 
 namespace aligngs::reference {
 namespace {

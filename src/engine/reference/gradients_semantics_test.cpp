@@ -2,7 +2,7 @@
 // bounded, into opacity, mean and covariance.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_scene_for_tests.h"
+#include "engine/reference/testing/gradient_scene.h"
 #include "scene/semantic_target.h"
 
 namespace aligngs::reference {

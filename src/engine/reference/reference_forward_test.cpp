@@ -1,7 +1,7 @@
 // The meaning of the maps, on scenes with known values.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_scene_for_tests.h"
+#include "engine/reference/testing/gradient_scene.h"
 
 namespace aligngs::reference {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstring>
 
 #include "core/error.h"
-#include "device/device_for_tests.h"
-#include "mesh/analytic_scenes_for_tests.h"
+#include "device/testing/device.h"
 #include "mesh/fusion.h"
+#include "mesh/testing/analytic_scenes.h"
 #include "mesh/tsdf_volume.h"
 
 namespace aligngs {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/half.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::nn {
 namespace {

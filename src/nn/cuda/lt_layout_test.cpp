@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::cuda {
 namespace {

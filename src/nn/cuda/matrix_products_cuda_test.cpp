@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "nn/cuda/device_pool.h"
 #include "nn/cuda/lt_products.h"
 

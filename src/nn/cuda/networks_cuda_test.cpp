@@ -2,15 +2,15 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "device/tolerances.h"
 #include "nn/attention.h"
 #include "nn/cuda/network_device.h"
 #include "nn/ops/blocks.h"
 #include "nn/ops/convolution.h"
 #include "nn/ops/linear.h"
+#include "nn/testing/weights.h"
 #include "nn/transformer_block.h"
-#include "nn/weights_for_tests.h"
 
 namespace aligngs {
 namespace {

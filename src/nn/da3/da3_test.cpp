@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "nn/preprocess/da3_images.h"
-#include "nn/small_networks.h"
+#include "nn/testing/small_networks.h"
 
 namespace aligngs::nn {
 namespace {

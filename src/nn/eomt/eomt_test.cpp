@@ -11,7 +11,7 @@
 #include "nn/eomt/semantic.h"
 #include "nn/ops/resize.h"
 #include "nn/rename.h"
-#include "nn/small_networks.h"
+#include "nn/testing/small_networks.h"
 
 namespace aligngs::nn {
 namespace {

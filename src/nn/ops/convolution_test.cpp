@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "nn/ops/resize.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::nn {
 namespace {

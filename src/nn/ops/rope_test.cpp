@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::nn {
 namespace {

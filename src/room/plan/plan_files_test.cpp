@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "core/error.h"
-#include "core/shell_for_tests.h"
+#include "core/testing/shell.h"
 #include "io/atomic_file.h"
-#include "room/sample_room_for_tests.h"
+#include "room/testing/sample_room.h"
 
 namespace aligngs {
 namespace {

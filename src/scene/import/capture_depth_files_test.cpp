@@ -1,5 +1,5 @@
 // The files of depth that the layouts read, and what is said when there are none.
-#include "scene/import/capture_folder_for_tests.h"
+#include "scene/import/testing/capture_folder.h"
 
 namespace aligngs {
 namespace {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "io/text_encoding.h"
-#include "scene/import/capture_folder_for_tests.h"
 #include "scene/import/capture_frames.h"
+#include "scene/import/testing/capture_folder.h"
 
 namespace aligngs {
 namespace {

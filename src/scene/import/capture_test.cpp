@@ -8,8 +8,8 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
-#include "scene/import/capture_folder_for_tests.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/testing/capture_folder.h"
 #include "scene/import/view_selection.h"
 
 namespace aligngs {

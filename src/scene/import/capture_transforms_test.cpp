@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
-#include "scene/import/capture_folder_for_tests.h"
+#include "scene/import/testing/capture_folder.h"
 #include "scene/photo_lookup.h"
 
 namespace aligngs {

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "core/error.h"
-#include "scene/import/capture_folder_for_tests.h"
+#include "scene/import/testing/capture_folder.h"
 
 namespace aligngs {
 namespace {

@@ -1,6 +1,6 @@
 // Captures as people unpack, thin out and convert them.
 #include "core/error.h"
-#include "scene/import/capture_folder_for_tests.h"
+#include "scene/import/testing/capture_folder.h"
 
 namespace aligngs {
 namespace {

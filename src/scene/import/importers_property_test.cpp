@@ -6,7 +6,7 @@
 
 #include "core/log.h"
 #include "scene/import/import_capture.h"
-#include "scene/import/random_layouts_for_tests.h"
+#include "scene/import/testing/random_layouts.h"
 #include "scene/scene_json.h"
 #include "scene/view_data.h"
 

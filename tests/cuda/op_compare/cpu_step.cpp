@@ -44,7 +44,7 @@ void CpuStep::run_backward() {
   if (semantics()) {
     padded = cpu::padded_channels(scene.model.semantic_channels);
     counts = cpu::make_class_counts(scene.model.semantic_channels, 0);
-    cpu::prepare_semantic_view(scene.training, counts.classes(), view.pool, cache);
+    prepare_semantic_view(scene.training, counts.classes(), view.pool, cache);
     features.resize(visible * padded);
     row_gradients.resize(visible * padded);
     for (size_t i = 0; i < n; ++i) {

@@ -4,7 +4,7 @@
 
 #include "engine/benchmark/benchmark_room.h"
 #include "engine/cpu/semantic_visit.h"
-#include "engine/cuda/view_for_tests.h"
+#include "engine/cuda/testing/view.h"
 
 namespace aligngs::op_compare {
 
@@ -31,7 +31,7 @@ struct CpuStep {
   std::vector<float> residual;
 
   size_t channels = 0, padded = 0;
-  cpu::SemanticView cache;
+  SemanticView cache;
   cpu::ClassCounts counts;
   cpu::AlignedArray<float> features;       ///< [visible][padded] softmax of the rows in view
   cpu::AlignedArray<float> row_gradients;  ///< [visible][padded] dL/dfeatures where written

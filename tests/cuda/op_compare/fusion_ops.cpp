@@ -1,8 +1,8 @@
 #include <utility>
 
 #include "compare_ops.h"
-#include "mesh/analytic_scenes_for_tests.h"
 #include "mesh/cuda/tsdf_fusion.h"
+#include "mesh/testing/analytic_scenes.h"
 #include "mesh/tsdf_volume.h"
 
 namespace aligngs::op_compare {

@@ -1,6 +1,6 @@
 #include "compare_ops.h"
-#include "engine/cuda/maps_for_tests.h"
-#include "engine/losses/two_view_maps.h"
+#include "engine/cuda/testing/maps.h"
+#include "engine/losses/testing/two_view_maps.h"
 
 namespace aligngs::op_compare {
 

@@ -4,7 +4,7 @@
 #include "nn/cuda/network_device.h"
 #include "nn/ops/convolution.h"
 #include "nn/ops/linear.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::op_compare {
 namespace {

@@ -10,8 +10,8 @@
 #include "device/emulation/emulated_devices.h"
 #include "device/launch.h"
 #include "device/sort_scan.h"
-#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/make_engine.h"
+#include "engine/testing/scenes.h"
 #include "nn/cpu/matrix_backend.h"
 #include "nn/cuda/network_device.h"
 

@@ -9,10 +9,10 @@
 
 #include "core/error.h"
 #include "core/half.h"
-#include "device/device_for_tests.h"
+#include "device/testing/device.h"
 #include "nn/cuda/device_pool.h"
 #include "nn/cuda/lt_products.h"
-#include "nn/weights_for_tests.h"
+#include "nn/testing/weights.h"
 
 namespace aligngs::cuda {
 namespace {
