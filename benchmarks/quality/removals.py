@@ -47,16 +47,17 @@ def prepared(room, seed, folder, options):
         without = [word for name in options.objects or OBJECTS[room] for word in ("--without", name)]
         if not (scene / "truth" / "mesh.ply").exists():
             run(PROGRAM, "synth", scene, "--room", room, "--seed", seed, "--views", options.views, "--size", options.size, *without)
-        run(PROGRAM, "run", scene, "-o", trained, "-n", options.iterations, "--overwrite")
+        settings = [word for setting in options.set for word in ("--set", setting)]
+        run(PROGRAM, "run", scene, "-o", trained, "-n", options.iterations, *settings, "--overwrite")
     return scene, trained
 
 
-def run_object(trained, truth):
-    """The object of the run that is nearest to a true object; None where none of the class is near."""
+def run_object(program, trained, truth):
+    """The object of the run, by a program's own names, that is nearest to a true object; None where none of the class is near."""
     true = json.loads((truth / "removal.json").read_text())["objects"][0]
     middle = [(a + b) / 2 for a, b in zip(true["low"], true["high"])]
     best = None
-    for found in run(PROGRAM, "edit", trained, "--list")["objects"]:
+    for found in run(program, "edit", trained, "--list")["objects"]:
         if found["object"].split("#")[0] != true["class"]:
             continue
         distance = math.dist(found["centre"], middle)
@@ -65,10 +66,13 @@ def run_object(trained, truth):
     return best and best[1]
 
 
-def measured(trained, target, truth, variant, folder, options):
-    """The scores of one removal."""
+def measured(trained, truth, variant, folder, options):
+    """The scores of one removal; None where the program finds no such object."""
     out = folder / folder_of(f"{truth.name} {variant}")
     program = options.old if variant == "old fill" else PROGRAM
+    target = run_object(program, trained, truth)
+    if target is None:
+        return None
     if not (out / "run.json").exists():
         fill = [] if variant == "no fill" else ["--fill"]
         run(program, "edit", trained, "--select", target, "--delete", *fill, "-o", out)
@@ -94,6 +98,8 @@ def main():
     parser.add_argument("--views", type=int, default=28)
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--old", help="program whose filling is compared")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="setting of the training, for instance "
+                        "checkpoint.keep_finished=true, which programs before 0.2 need")
     options = parser.parse_args()
     variants = [v for v in VARIANTS if v != "old fill" or options.old]
     rows = []
@@ -102,14 +108,14 @@ def main():
         folder = options.output / f"{room}_{seed}"
         scene, trained = prepared(room, seed, folder, options)
         for truth in sorted((scene / "truth" / "without").iterdir()):
-            target = run_object(trained, truth)
-            if target is None:
-                print(f"{text}: the run has no {truth.name}")
-                continue
             try:
-                scores = {v: measured(trained, target, truth, v, folder, options) for v in variants}
+                scores = {v: measured(trained, truth, v, folder, options) for v in variants}
             except RuntimeError as error:
                 print(f"{text}: {truth.name} is left out: {error}")
+                continue
+            missing = [v for v in variants if scores[v] is None]
+            if missing:
+                print(f"{text}: the run has no {truth.name} for {', '.join(missing)}")
                 continue
             rows.append({"room": text, "object": truth.name, "scores": scores})
     with open(options.output / "removals.csv", "w", newline="") as file:
