@@ -5,13 +5,15 @@
 
 Each room is made with `aligngs synth --without` for every object, and trained once. Each removal is tried without filling, with
 the filling of --old (another build of the program), and with the filling of this build. Of every result: PSNR and SSIM over the
-test views in the widened mask of the object, and F at 5 cm in its box. Finished rooms and results are kept. Writes removals.csv
-and removals.md. ALIGNGS names the program (default build/aligngs)."""
+test views in the widened mask of the object, and F at 5 cm in its box. Trained rooms, scores and a picture of each removal are kept,
+edited rooms are not. Writes removals.csv, removals.md and, with ffmpeg, sheet.png: before, each variant, and the truth of the test
+view that shows most of the object. ALIGNGS names the program (default build/aligngs)."""
 import argparse
 import csv
 import json
 import math
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -66,9 +68,23 @@ def run_object(program, trained, truth):
     return best and best[1]
 
 
+def pixels_of(mask):
+    """How many pixels of a mask are set."""
+    shown = subprocess.run(["ffmpeg", "-v", "error", "-i", mask, "-f", "rawvideo", "-pix_fmt", "gray", "-"], capture_output=True)
+    return sum(value > 0 for value in shown.stdout)
+
+
+def best_view(truth):
+    """File name of the test view that shows most of the object."""
+    return max(sorted((truth / "mask").iterdir()), key=pixels_of).name
+
+
 def measured(trained, truth, variant, folder, options):
     """The scores of one removal; None where the program finds no such object."""
     out = folder / folder_of(f"{truth.name} {variant}")
+    kept = out.with_suffix(".json")
+    if kept.exists():
+        return json.loads(kept.read_text())
     program = options.old if variant == "old fill" else PROGRAM
     target = run_object(program, trained, truth)
     if target is None:
@@ -76,7 +92,31 @@ def measured(trained, truth, variant, folder, options):
     if not (out / "run.json").exists():
         fill = [] if variant == "no fill" else ["--fill"]
         run(program, "edit", trained, "--select", target, "--delete", *fill, "-o", out)
-    return run(PROGRAM, "edit", out, "--truth", truth)
+    scores = run(PROGRAM, "edit", out, "--truth", truth)
+    if shutil.which("ffmpeg"):
+        shutil.copy(out / "renders" / "test" / "rgb" / best_view(truth), out.with_suffix(".png"))
+    shutil.rmtree(out)
+    kept.write_text(json.dumps(scores))
+    return scores
+
+
+def write_sheet(rows, variants, output):
+    """A line of pictures per removal, in the order of the table."""
+    lines = []
+    for row in rows:
+        folder = output / row["room"].replace(":", "_")
+        truth = folder / "scene" / "truth" / "without" / row["object"]
+        view = best_view(truth)
+        variant_pictures = [folder / (folder_of(f"{row['object']} {v}") + ".png") for v in variants]
+        lines.append([folder / "run" / "renders" / "test" / "rgb" / view, *variant_pictures, truth / "rgb" / view])
+    files = [file for line in lines for file in line]
+    across = len(lines[0])
+    parts = [f"[{i}:v]scale=240:180,format=rgb24[p{i}]" for i in range(len(files))]
+    parts += ["".join(f"[p{k * across + i}]" for i in range(across)) + f"hstack={across}[l{k}]" for k in range(len(lines))]
+    parts.append("".join(f"[l{k}]" for k in range(len(lines))) + (f"vstack={len(lines)}" if len(lines) > 1 else "null") + "[sheet]")
+    inputs = [word for file in files for word in ("-i", str(file))]
+    subprocess.run(["ffmpeg", "-v", "error", "-y", *inputs, "-filter_complex", ";".join(parts), "-map", "[sheet]", "-frames:v", "1",
+                    str(output / "sheet.png")], check=True)
 
 
 def table(rows, variants):
@@ -128,6 +168,8 @@ def main():
     if rows:
         (options.output / "removals.md").write_text(table(rows, variants))
         print(table(rows, variants))
+        if shutil.which("ffmpeg"):
+            write_sheet(rows, variants, options.output)
 
 
 if __name__ == "__main__":

@@ -36,8 +36,10 @@ TEST(CpuMultiView, GradientsAreThoseOfTheReference) {
   const auto without = pair_gradients(engine.last_maps(), depth, r, false);
   const GaussianModel got = engine.last_gradients();
   EXPECT_NEAR(report.losses.total, want.losses.total, 2e-5 * want.losses.total);
-  EXPECT_EQ(report.losses[Loss::kMultiViewGeometric], want.losses[Loss::kMultiViewGeometric]);
-  EXPECT_EQ(report.losses[Loss::kMultiViewPhotometric], want.losses[Loss::kMultiViewPhotometric]);
+  // A picture and a step form the plane's depth in two ways, in float. Whether they round alike depends on the build.
+  constexpr double kRounding = 1e-4;
+  for (const Loss loss : {Loss::kMultiViewGeometric, Loss::kMultiViewPhotometric})
+    EXPECT_NEAR(report.losses[loss], want.losses[loss], kRounding * want.losses[loss]);
   expect_close(got.positions, want.gradient.positions, "d positions");
   expect_close(got.log_scales, want.gradient.log_scales, "d log_scales");
   expect_close(got.rotations, want.gradient.rotations, "d rotations");

@@ -114,7 +114,9 @@ inline void compare_products(SemanticProducts products, const GaussianModel& mod
   expect_close(s.residual, want.statistics.residual, tolerance.statistic, "density residual");
   expect_close(s.unsupported, want.statistics.unsupported, tolerance.statistic, "density unsupported");
 
-  if (is_balanced(set.coupling) && want.coupling_rms > 0 && set.coupling_strength != 0) {
+  // One Gaussian alone feels no coupling: what is left is rounding, and whether any is depends on the instruction set.
+  const bool coupled = want.coupling_rms > 1e-6 * want.photometric_rms;
+  if (is_balanced(set.coupling) && coupled && set.coupling_strength != 0) {
     CouplingBalance next = balance;
     update_coupling_balance(want.photometric_rms, want.coupling_rms, next);
     EXPECT_NEAR(engine.coupling_balance().photometric, next.photometric, 1e-4 * next.photometric);
