@@ -196,5 +196,41 @@ TEST_F(DataLoss, ComparisonsReplaceTheirOwnFilesAlone) {
   }
 }
 
+/// The last page that would be written is the one of somebody else: no other page is there afterwards.
+TEST_F(DataLoss, ManualPagesOfOthersAreNotReplacedAndOwnOnesAre) {
+  const fs::path pages = data() / "pages";
+  fs::create_directories(pages);
+  write_file_atomically(pages / "aligngs-manual.1", ".TH ALIGNGS-MANUAL 1 \"May 2020\" \"of somebody\"\n");
+  before_ = contents(data());
+  expect_refused("manual " + quoted(pages), "aligngs-manual.1");
+  for (int again = 0; again < 2; ++again) EXPECT_EQ(aligngs("manual " + quoted(root_ / "pages")).status, 0);
+}
+
+/// A textured OBJ or USD has files beside it, which the user does not name.
+TEST_F(DataLoss, ExportsReplaceNoFileOfOthersBesideTheirs) {
+  const fs::path run = root_ / "run";
+  ASSERT_EQ(aligngs("train " + quoted(root_ / "made") + " -n 2 -o " + quoted(run)).status, 0);
+  ASSERT_EQ(aligngs("mesh " + quoted(run) + " --set mesh.voxel=0.2").status, 0);
+  const fs::path models = root_ / "models";
+  fs::create_directories(models);
+  for (const char* file : {"photo.jpg", "chair.mtl", "table.obj", "lamp.usda"})
+    write_file_atomically(models / file, "of somebody");
+  const auto theirs = contents(models);
+  const auto textured = [&](const char* name) {
+    const std::string format = fs::path(name).extension().string().substr(1);
+    return "export " + quoted(run) + " -f " + format + " --textured --texture-size 256 -o ";
+  };
+  for (const char* name : {"photo.obj", "photo.usda", "chair.obj", "table.obj", "lamp.usda"}) {
+    const ProcessResult result = aligngs(textured(name) + quoted(models / name));
+    EXPECT_EQ(result.status, 2) << name;
+    EXPECT_THAT(result.err, HasSubstr("never replaced")) << name;
+  }
+  EXPECT_TRUE(contents(models) == theirs);
+  for (const char* name : {"room.obj", "room.obj", "room.usda", "room.usda"}) {
+    const ProcessResult result = aligngs(textured(name) + quoted(root_ / name));
+    EXPECT_EQ(result.status, 0) << result.err;
+  }
+}
+
 }  // namespace
 }  // namespace aligngs

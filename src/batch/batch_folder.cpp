@@ -57,8 +57,9 @@ void BatchFolder::prepare(const Batch& batch) const {
   if (!fs::exists(list(), error) && fs::exists(folder_, error) && !fs::is_empty(folder_, error)) {
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
-      // Another worker may be creating the same batch.
-      if (name == "rooms" || name == "records" || name == "leases" || name == "logs" || name.rfind("list.json", 0) == 0)
+      // Another worker may be creating the same batch. It fills these folders after its list is there.
+      const bool part = name == "rooms" || name == "records" || name == "leases" || name == "logs";
+      if (name.rfind("list.json", 0) == 0 || (part && (fs::is_empty(entry.path(), error) || fs::exists(list(), error))))
         continue;
       throw Error({ErrorKind::kUsage, "the folder is not empty and holds no batch", folder_ / name, "-o",
                    "name a new or empty folder"});

@@ -167,6 +167,17 @@ TEST_F(WorkerTest, AListOfSomebodyIsNeverReplaced) {
   EXPECT_EQ(read_file(list), R"({"mine": 1})");
 }
 
+/// Without a list, what lies in folders of these names is of somebody else.
+TEST_F(WorkerTest, RecordsOfSomebodyAreNeverReplaced) {
+  const fs::path record = base_ / "mine" / "records" / "one.json";
+  fs::create_directories(record.parent_path());
+  BatchFolder(base_ / "mine").prepare(Batch{});  // empty folders are free
+  fs::remove(base_ / "mine" / "list.json");
+  write_file_atomically(record, "mine");
+  EXPECT_THROW(BatchFolder(base_ / "mine").prepare(Batch{}), Error);
+  EXPECT_EQ(read_file(record), "mine");
+}
+
 TEST_F(WorkerTest, TheListComesBackFromTheFolder) {
   add("good");
   batch_.rooms[0].options = {"--set", "a=1 2"};

@@ -11,6 +11,8 @@
 #include "cli/shell/man_page.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/output_place.h"
+#include "train/replaceable_file.h"
 
 namespace aligngs {
 namespace {
@@ -52,7 +54,8 @@ void add_manual_command(CLI::App& program, CommandContext& context) {
   command->footer(help_footer({.reads = "nothing",
                                .writes = "FOLDER: aligngs.1, aligngs-run.1 and so on",
                                .example = "aligngs manual ~/.local/share/man/man1",
-                               .advanced = "aligngs manual pages --json"}));
+                               .advanced = "aligngs manual pages --json",
+                               .notes = "Pages of these names that aligngs did not write are never replaced."}));
   auto folder = std::make_shared<fs::path>();
   command->add_option("folder", *folder, "folder for the pages; it is made where it is missing")->required();
   command->callback([&program, &context, folder] {
@@ -62,6 +65,10 @@ void add_manual_command(CLI::App& program, CommandContext& context) {
       throw Error(
           {ErrorKind::kResources, "the folder cannot be made: " + error.message(), *folder, {}, "give another folder"});
     const CommandInfo tree = describe_command(program);
+    for (const CommandInfo* page : all_commands(tree)) {  // before the first is written
+      require_file_place(*folder / man_page_name(*page));
+      require_replaceable(*folder / man_page_name(*page), man_page_beginning(*page));
+    }
     nlohmann::json pages = nlohmann::json::array();
     for (const CommandInfo* page : all_commands(tree)) {
       write_file_atomically(*folder / man_page_name(*page), man_page(*page, tree));

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/atomic_file.h"
@@ -36,6 +37,20 @@ void write_drawn_picture(const std::filesystem::path& path, const Image<uint8_t>
   const std::vector<uint8_t> png = encode_png(image);
   std::string bytes(png.begin(), png.end());
   bytes.insert(kAfterHeader, mark_chunk());
+  write_file_atomically(path, bytes);
+}
+
+void write_drawn_jpeg(const std::filesystem::path& path, const Image<uint8_t>& rgb, int quality) {
+  const std::vector<uint8_t> jpeg = encode_jpeg(rgb, quality);
+  std::string bytes(jpeg.begin(), jpeg.end());
+  const std::string_view mark = kDrawnMark;
+  std::string segment = "\xff\xfe";  // a comment: its length with these two bytes, then the text
+  segment += '\0';
+  segment += static_cast<char>(mark.size() + 2);
+  segment += mark;
+  // After the start and the segment of JFIF, which comes first: two bytes, then a marker of two and its length.
+  const size_t jfif = 4 + (static_cast<size_t>(jpeg[4]) << 8 | jpeg[5]);
+  bytes.insert(jfif, segment);
   write_file_atomically(path, bytes);
 }
 

@@ -63,6 +63,30 @@ std::string json_document(const nlohmann::ordered_json& value) { return text_of(
 nlohmann::json parse_json(std::string_view text) { return parsed<nlohmann::json>(text); }
 nlohmann::ordered_json parse_ordered_json(std::string_view text) { return parsed<nlohmann::ordered_json>(text); }
 
+std::string without_comments(std::string_view text) {
+  std::string out(text);
+  size_t comma = out.npos;  // the last character that counts, if it is one
+  for (size_t i = 0; i < out.size(); ++i) {
+    const std::string_view two = std::string_view(out).substr(i, 2);
+    if (two == "//" || two == "/*") {
+      const size_t found = two == "//" ? out.find('\n', i) : out.find("*/", i + 2);
+      const size_t end = found == out.npos ? out.size() : two == "//" ? found : found + 2;
+      std::replace_if(
+          out.begin() + ptrdiff_t(i), out.begin() + ptrdiff_t(end), [](char c) { return c != '\n'; }, ' ');
+      i = end - 1;
+    } else if (out[i] == '"') {
+      for (++i; i < out.size() && out[i] != '"'; ++i) i += out[i] == '\\';
+      comma = out.npos;
+    } else if (out[i] == ',') {
+      comma = i;
+    } else if (std::string_view(" \t\r\n").find(out[i]) == std::string_view::npos) {
+      if ((out[i] == ']' || out[i] == '}') && comma != out.npos) out[comma] = ' ';
+      comma = out.npos;
+    }
+  }
+  return out;
+}
+
 std::string place_of_json_fault(std::string_view text) {
   size_t end = text.size();
   try {

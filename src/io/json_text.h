@@ -21,6 +21,10 @@ std::string json_document(const nlohmann::ordered_json& value);
 nlohmann::json parse_json(std::string_view text);
 nlohmann::ordered_json parse_ordered_json(std::string_view text);  // objects keep the order of their members
 
+/// The text as long as it was, with blanks for comments (// and /* */) and for a comma before a closing bracket. People
+/// write them, although JSON has none.
+std::string without_comments(std::string_view text);
+
 /// The first fault of a text that is no JSON: "line 3, column 5", or "a number beyond all".
 std::string place_of_json_fault(std::string_view text);
 

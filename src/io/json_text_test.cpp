@@ -40,6 +40,17 @@ TEST(JsonText, TheFaultOfATextHasALineAndAColumn) {
   EXPECT_EQ(place_of_json_fault("{\"a\""), "line 1, column 5");
 }
 
+TEST(JsonText, CommentsAndLastCommasBecomeBlanks) {
+  for (const auto& [text, plain] :
+       {std::pair{"[1, // one\n2]", "[1,       \n2]"},
+        {"[1, /* a\n ] */ 2,]", "[1,     \n      2 ]"},
+        {"{\"a\": \"//,]\", \"b\\\\\": [1], } // end", "{\"a\": \"//,]\", \"b\\\\\": [1]  }       "},
+        {"[1, // ]\n]", "[1      \n]"}})
+    EXPECT_EQ(without_comments(text), plain);
+  for (const char* open : {"/*", "//", "\"", "\"\\", ",", "[,]", "/"})
+    EXPECT_EQ(without_comments(open).size(), std::string(open).size());
+}
+
 TEST(JsonText, WhatIsNoJsonIsDiscarded) {
   for (const char* text : {"", "{", "{\"a\":1} and more", "nul", "\"\xff\"", "[1,]"}) {
     EXPECT_TRUE(parse_json(text).is_discarded()) << text;

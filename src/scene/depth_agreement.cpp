@@ -10,10 +10,12 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kMostViews = 24;
-constexpr size_t kSamples = 2592;        // of all views together: few views have more each, since they share less
-constexpr size_t kFewSamples = 50;       // fewer tell nothing
-constexpr double kContradiction = 0.06;  // relative: noise of sensors and of tracking stays below
-constexpr double kExplained = 0.3;       // of the difference as the depth is
+constexpr size_t kSamples = 2592;   // of all views together: few views have more each, since they share less
+constexpr size_t kFewSamples = 50;  // fewer tell nothing
+// Relative: exact depth stays below the first, noise of sensors and of tracking below the second.
+constexpr double kSlight = 0.02, kContradiction = 0.06;
+constexpr double kExplained = 0.3;  // of the difference as the depth is
+constexpr double kHalved = 0.5;     // the same, for explanations that good depth never has: it is noise at any factor
 // Views that share hardly anything as they are, and much at another factor: these samples, and as many times more.
 constexpr size_t kManySamples = 200, kTimesMore = 10;
 constexpr double kSurface = 0.05;  // relative: what two views of one surface differ by at most
@@ -77,26 +79,65 @@ std::vector<double> factors() {
 
 /// The cameras if their matrices were read wrongly in this way. There are several for inverted ones: of either axes. Axes
 /// of the world change nothing.
-std::vector<Rigidd> reread(PoseMisreading reading, const Rigidd& world_to_camera) {
+std::vector<Rigidd> reread(Misreading reading, const Rigidd& world_to_camera) {
   const Rigidd turn{Mat3d{{1, 0, 0, 0, -1, 0, 0, 0, -1}}, {}};
   const Rigidd inverse = world_to_camera.inverse();
-  return reading == PoseMisreading::kAxes ? std::vector{turn * world_to_camera} : std::vector{inverse, turn * inverse};
+  return reading == Misreading::kAxes ? std::vector{turn * world_to_camera} : std::vector{inverse, turn * inverse};
 }
 
-/// Whether a difference explains what another contradicts.
-bool explains(double difference, size_t samples, const DepthAgreement& as_it_is) {
+/// The map if it was read wrongly in this way.
+ImageF reread(Misreading reading, const Camera& camera, const ImageF& depth) {
+  ImageF out = depth;
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x)
+      out.at(x, y) = reading == Misreading::kUpsideDown
+                         ? depth.at(x, depth.height - 1 - y)
+                         : depth.at(x, y) / static_cast<float>(norm(camera.ray(x + 0.5, y + 0.5)));
+  }
+  return out;
+}
+
+/// Whether a difference explains what another contradicts: it is at most `share` of that.
+bool explains(double difference, size_t samples, const DepthAgreement& as_it_is, double share) {
   const bool little_shared = as_it_is.samples < kFewSamples;
   if (little_shared)
     return samples >= kManySamples && samples >= kTimesMore * as_it_is.samples && difference < kSurface;
-  return samples >= kFewSamples && difference < kExplained * as_it_is.difference;
+  const size_t enough = as_it_is.difference > kContradiction ? kFewSamples : kManySamples;
+  return samples >= enough && difference < share * as_it_is.difference;
 }
 
-/// Sets the misreading that explains the most.
-void find_misreading(const std::vector<DepthSample>& samples, const std::vector<size_t>& views,
-                     std::span<const Camera> cameras, std::span<const ImageF> depths, DepthAgreement& agreement) {
-  agreement.read_difference = agreement.difference;
-  for (const PoseMisreading reading : {PoseMisreading::kAxes, PoseMisreading::kInverted}) {
-    const size_t ways = reread(reading, {}).size();
+std::vector<DepthSample> samples_of_all(const std::vector<size_t>& views, std::span<const Camera> cameras,
+                                        std::span<const ImageF> depths) {
+  std::vector<DepthSample> samples;
+  for (const size_t view : views) {
+    const std::vector<DepthSample> of_view = samples_of(view, cameras[view], depths[view], kSamples / views.size());
+    samples.insert(samples.end(), of_view.begin(), of_view.end());
+  }
+  return samples;
+}
+
+/// Sets the misreading of the maps that explains more than the agreement's.
+void find_misread_maps(const std::vector<size_t>& views, std::span<const Camera> cameras,
+                       std::span<const ImageF> depths, DepthAgreement& agreement) {
+  for (const Misreading reading : {Misreading::kAlongRays, Misreading::kUpsideDown}) {
+    std::vector<ImageF> read(depths.size());
+    for (const size_t view : views) read[view] = reread(reading, cameras[view], depths[view]);
+    const std::vector<double> all = differences(samples_of_all(views, cameras, read), views, cameras, read, 1);
+    if (all.empty()) continue;
+    const double difference = median_of(all);
+    if (difference >= agreement.read_difference || difference >= kSurface ||
+        !explains(difference, all.size(), agreement, kHalved))
+      continue;
+    agreement.misreading = reading;
+    agreement.read_difference = difference;
+  }
+}
+
+/// Sets the misreading of the matrices that explains the most.
+void find_misread_poses(const std::vector<DepthSample>& samples, const std::vector<size_t>& views,
+                        std::span<const Camera> cameras, std::span<const ImageF> depths, DepthAgreement& agreement) {
+  for (const Misreading reading : {Misreading::kAxes, Misreading::kInverted}) {
+    const size_t ways = reread(reading, Rigidd{}).size();
     for (size_t way = 0; way < ways; ++way) {
       std::vector<Camera> read(cameras.begin(), cameras.end());
       for (Camera& camera : read) camera.world_to_camera = reread(reading, camera.world_to_camera)[way];
@@ -104,7 +145,7 @@ void find_misreading(const std::vector<DepthSample>& samples, const std::vector<
       if (all.empty()) continue;
       const double difference = median_of(all);
       if (difference >= agreement.read_difference || difference >= kSurface ||
-          !explains(difference, all.size(), agreement))
+          !explains(difference, all.size(), agreement, kExplained))
         continue;
       agreement.misreading = reading;
       agreement.read_difference = difference;
@@ -116,7 +157,7 @@ void find_misreading(const std::vector<DepthSample>& samples, const std::vector<
 
 bool DepthAgreement::has_other_unit() const {
   if (std::fmax(factor, 1 / factor) < kSameUnit) return false;
-  return difference > kContradiction && explains(scaled_difference, scaled_samples, *this);
+  return difference > kSlight && explains(scaled_difference, scaled_samples, *this, kHalved);
 }
 
 bool DepthAgreement::is_contradicted() const {
@@ -127,17 +168,13 @@ bool DepthAgreement::is_contradicted() const {
 
 DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const ImageF> depths) {
   const std::vector<size_t> views = chosen_views(cameras.size());
-  std::vector<DepthSample> samples;
-  for (const size_t view : views) {
-    const std::vector<DepthSample> of_view = samples_of(view, cameras[view], depths[view], kSamples / views.size());
-    samples.insert(samples.end(), of_view.begin(), of_view.end());
-  }
+  const std::vector<DepthSample> samples = samples_of_all(views, cameras, depths);
   DepthAgreement agreement;
   const std::vector<double> as_it_is = differences(samples, views, cameras, depths, 1);
   agreement.samples = agreement.scaled_samples = as_it_is.size();
   agreement.difference = as_it_is.size() < kFewSamples ? 1 : median_of(as_it_is);
   agreement.scaled_difference = agreement.difference;
-  if (agreement.difference <= kContradiction) return agreement;
+  if (agreement.difference <= kSlight) return agreement;
   const auto try_factor = [&](double factor) {
     const std::vector<double> scaled = differences(samples, views, cameras, depths, factor);
     if (scaled.size() < std::max(kFewSamples, as_it_is.size() / 3)) return;  // by chance, a few always agree
@@ -152,7 +189,9 @@ DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const 
     const double middle = agreement.factor;
     for (const double side : {-octaves, octaves}) try_factor(middle * std::exp2(side));
   }
-  find_misreading(samples, views, cameras, depths, agreement);
+  agreement.read_difference = agreement.difference;
+  if (agreement.difference > kContradiction) find_misread_poses(samples, views, cameras, depths, agreement);
+  find_misread_maps(views, cameras, depths, agreement);
   return agreement;
 }
 

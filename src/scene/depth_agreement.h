@@ -8,11 +8,13 @@
 
 namespace aligngs {
 
-/// How matrices are read wrongly: all cameras of a capture at once.
-enum class PoseMisreading {
+/// How matrices or depth maps are read wrongly: all of a capture at once.
+enum class Misreading {
   kNone,
-  kAxes,     ///< y and z of the cameras are turned round: OpenGL's axes for OpenCV's, or the reverse
-  kInverted  ///< world-to-camera for camera-to-world, or the reverse, of any axes
+  kAxes,        ///< y and z of the cameras are turned round: OpenGL's axes for OpenCV's, or the reverse
+  kInverted,    ///< world-to-camera for camera-to-world, or the reverse, of any axes
+  kAlongRays,   ///< distances from the camera's centre for depth along its axis
+  kUpsideDown,  ///< the last row of a map is the first of its photo
 };
 
 struct DepthAgreement {
@@ -22,8 +24,8 @@ struct DepthAgreement {
   double factor = 1;             ///< depth times this agrees best
   double scaled_difference = 0;  ///< the difference then
   size_t scaled_samples = 0;
-  /// The reading of the matrices that makes depth agree as it is; kNone where none does.
-  PoseMisreading misreading = PoseMisreading::kNone;
+  /// The reading of matrices or maps that makes depth agree without another unit; kNone where none does.
+  Misreading misreading = Misreading::kNone;
   double read_difference = 0;  ///< the difference then
   /// Whether another unit explains what the depth as it is contradicts.
   bool has_other_unit() const;
@@ -32,7 +34,8 @@ struct DepthAgreement {
 };
 
 /// Compares samples of each view with the views that see the same place. `cameras[i]` has the size of `depths[i]`, where
-/// 0 is none. Cameras in one place tell nothing about the unit.
+/// 0 is none. Cameras in one place tell nothing about the unit. Depth s times what it should be moves a surface by
+/// (1 - 1/s) b / d. There d is its distance, b the part of the baseline along its normal.
 DepthAgreement depth_agreement(std::span<const Camera> cameras, std::span<const ImageF> depths);
 
 }  // namespace aligngs

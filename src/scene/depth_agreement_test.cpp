@@ -74,10 +74,59 @@ TEST(DepthAgreement, MatricesOfAnotherConventionAreTold) {
     for (Camera& camera : cameras) camera.world_to_camera = misread(camera.world_to_camera);
     return depth_agreement(cameras, box.depths).misreading;
   };
-  EXPECT_EQ(told([](const Rigidd& pose) { return pose; }), PoseMisreading::kNone);
-  EXPECT_EQ(told([&](const Rigidd& pose) { return turn * pose; }), PoseMisreading::kAxes);
-  EXPECT_EQ(told([](const Rigidd& pose) { return pose.inverse(); }), PoseMisreading::kInverted);
-  EXPECT_EQ(told([&](const Rigidd& pose) { return (turn * pose).inverse(); }), PoseMisreading::kInverted);
+  EXPECT_EQ(told([](const Rigidd& pose) { return pose; }), Misreading::kNone);
+  EXPECT_EQ(told([&](const Rigidd& pose) { return turn * pose; }), Misreading::kAxes);
+  EXPECT_EQ(told([](const Rigidd& pose) { return pose.inverse(); }), Misreading::kInverted);
+  EXPECT_EQ(told([&](const Rigidd& pose) { return (turn * pose).inverse(); }), Misreading::kInverted);
+}
+
+/// A wrong unit moves a surface by little where the cameras are close together. It explains nearly all of that.
+TEST(DepthAgreement, CamerasCloseTogetherTellAnotherUnit) {
+  for (const double unit : {1.5, 2.0}) {
+    const BoxViews box(unit, 0.5, 20);
+    const DepthAgreement agreement = depth_agreement(box.cameras, box.depths);
+    EXPECT_LT(agreement.difference, 0.06) << unit;
+    EXPECT_TRUE(agreement.has_other_unit()) << unit << ' ' << agreement.scaled_difference;
+    EXPECT_NEAR(agreement.factor * unit, 1, 0.1) << unit;
+  }
+}
+
+/// Noise of 3 % stays at every factor.
+TEST(DepthAgreement, NoiseIsNoUnit) {
+  BoxViews box(1, 0.25, 20);
+  uint32_t state = 1;
+  for (ImageF& depth : box.depths) {
+    for (float& z : depth.data) {
+      state = state * 1664525u + 1013904223u;
+      z *= 1 + 0.16f * (float(state >> 8) / float(1 << 24) - 0.5f);
+    }
+  }
+  const DepthAgreement agreement = depth_agreement(box.cameras, box.depths);
+  EXPECT_GT(agreement.difference, 0.02);
+  EXPECT_FALSE(agreement.has_other_unit());
+  EXPECT_EQ(agreement.misreading, Misreading::kNone);
+}
+
+TEST(DepthAgreement, DistancesAlongTheRaysAreTold) {
+  BoxViews box(1, 0.6, 20);
+  for (size_t i = 0; i < box.depths.size(); ++i) {
+    ImageF& depth = box.depths[i];
+    for (int y = 0; y < depth.height; ++y) {
+      for (int x = 0; x < depth.width; ++x)
+        depth.at(x, y) *= static_cast<float>(norm(box.cameras[i].ray(x + 0.5, y + 0.5)));
+    }
+  }
+  EXPECT_EQ(depth_agreement(box.cameras, box.depths).misreading, Misreading::kAlongRays);
+}
+
+TEST(DepthAgreement, MapsThatAreUpsideDownAreTold) {
+  BoxViews box(1, 0.6, 20);
+  for (ImageF& depth : box.depths) {
+    const ImageF upright = depth;
+    for (int y = 0; y < depth.height; ++y)
+      for (int x = 0; x < depth.width; ++x) depth.at(x, y) = upright.at(x, depth.height - 1 - y);
+  }
+  EXPECT_EQ(depth_agreement(box.cameras, box.depths).misreading, Misreading::kUpsideDown);
 }
 
 /// No factor and no reading explains depth of other views.

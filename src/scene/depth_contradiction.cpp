@@ -39,10 +39,20 @@ double times_of_points(const PointCloud& points, std::span<const Camera> cameras
   return times > kAlike || times < 1 / kAlike ? times : 0;
 }
 
-const char* text_of(PoseMisreading misreading) {
-  return misreading == PoseMisreading::kAxes
-             ? "with y and z of the cameras turned round (OpenGL's axes against OpenCV's)"
-             : "with inverted matrices (world-to-camera against camera-to-world)";
+const char* text_of(Misreading misreading) {
+  switch (misreading) {
+    case Misreading::kAxes:
+      return "with y and z of the cameras turned round (OpenGL's axes against OpenCV's)";
+    case Misreading::kInverted:
+      return "with inverted matrices (world-to-camera against camera-to-world)";
+    case Misreading::kAlongRays:
+      return "as distances along the rays (the maps should hold z of the camera)";
+    case Misreading::kUpsideDown:
+      return "upside down (the maps' last row is the photos' first)";
+    case Misreading::kNone:
+      break;
+  }
+  return "";
 }
 
 }  // namespace
@@ -57,7 +67,7 @@ std::optional<DepthContradiction> depth_contradiction(std::span<const Camera> ca
     return DepthContradiction{fmt::format("depth is {:.3g} times the distance of the points that came with it", times),
                               1 / times};
   const DepthAgreement agreement = depth_agreement(cameras, depths);
-  if (agreement.misreading != PoseMisreading::kNone &&
+  if (agreement.misreading != Misreading::kNone &&
       !(agreement.has_other_unit() && agreement.scaled_difference < agreement.read_difference))
     return DepthContradiction{fmt::format("the views' depth contradicts itself, but agrees to {:.1f} % {}",
                                           100 * agreement.read_difference, text_of(agreement.misreading))};

@@ -107,7 +107,10 @@ void check_depth(const Scene& scene, const View& view, ViewFindings& findings) {
   depth.data = std::move(array.data);
   const DisparityEvidence evidence = disparity_evidence(scene.cloud, view.camera, depth);
   findings.other_depth = evidence.is_disparity() || evidence.has_other_unit();
-  if (evidence.is_disparity()) {
+  if (const auto turned = evidence.is_disparity() ? turned_map(scene.cloud, view.camera, depth) : std::nullopt) {
+    add(findings, view.prior_depth, "values", "the map is " + *turned + ": it fits the points the other way round",
+        "write its rows and columns in the order of the photo", true);
+  } else if (evidence.is_disparity()) {
     add(findings, view.prior_depth, "values",
         fmt::format("larger values are nearer (rank correlation {:.2f} with the depth of {} points): this is "
                     "disparity or inverse depth, not depth",

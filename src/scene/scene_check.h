@@ -1,6 +1,8 @@
 // The parts of checking a scene: headers first, then pixels, then what the geometry says.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "scene/view_data.h"
@@ -23,6 +25,10 @@ struct DisparityEvidence {
   bool has_other_unit() const;  ///< a ratio above 3 or below a third
 };
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
+
+/// The way in which a map is turned against its photo ("upside down"), where its depth fits the points only then; else
+/// nothing. Nothing either where larger values are nearer throughout, as in disparity.
+std::optional<std::string> turned_map(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
 
 /// SceneProblem::field of the warning about depth that contradicts cameras or points (depth_contradiction.h). An importer,
 /// which has asked the same of the depth before, leaves it out.

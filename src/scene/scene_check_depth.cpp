@@ -36,6 +36,30 @@ ImageF compared_map(const std::filesystem::path& file) {
 
 }  // namespace
 
+std::optional<std::string> turned_map(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth) {
+  constexpr double kFits = 0.9;  // rank correlation: depth that is right has more with points that are good
+  if (disparity_evidence(cloud, camera, prior_depth).rank_correlation < -kFits) return {};
+  struct Way {
+    const char* name;
+    bool columns, rows;
+  };
+  std::optional<std::string> found;
+  double best = kFits;
+  for (const Way& way :
+       {Way{"upside down", false, true}, Way{"mirrored", true, false}, Way{"turned by 180 degrees", true, true}}) {
+    ImageF turned = prior_depth;
+    for (int y = 0; y < turned.height; ++y) {
+      for (int x = 0; x < turned.width; ++x)
+        turned.at(x, y) = prior_depth.at(way.columns ? turned.width - 1 - x : x, way.rows ? turned.height - 1 - y : y);
+    }
+    const DisparityEvidence evidence = disparity_evidence(cloud, camera, turned);
+    if (!evidence.is_enough() || evidence.rank_correlation <= best) continue;
+    best = evidence.rank_correlation;
+    found = way.name;
+  }
+  return found;
+}
+
 std::vector<SceneProblem> check_depth_of_views(const Scene& scene) {
   if (scene.depth_scale != DepthScale::kScene || scene.prior_source == kStereoDepth) return {};
   std::vector<const View*> views;

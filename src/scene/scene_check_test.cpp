@@ -135,6 +135,31 @@ TEST(CheckScene, DisparityGivenAsDepthIsFatal) {
   EXPECT_NE(problems[0].message.find("disparity"), std::string::npos);
 }
 
+/// A wall that rises to one side and away, and points on it.
+TEST(TurnedMap, IsToldFromOneInOrder) {
+  const Camera camera = camera_at(0);
+  ImageF depth(camera.width, camera.height, 1);
+  PointCloud cloud;
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
+      const Vec3d ray = camera.ray(x + 0.5, y + 0.5);
+      const double z = 2 / (1 - 0.3 * ray.x - 0.5 * ray.y);
+      depth.at(x, y) = static_cast<float>(z);
+      cloud.positions.push_back((camera.world_to_camera.inverse() * (ray * z)).cast<float>());
+    }
+  }
+  const auto turned = [&](bool columns, bool rows) {
+    ImageF map = depth;
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x)
+        map.at(x, y) = depth.at(columns ? map.width - 1 - x : x, rows ? map.height - 1 - y : y);
+    return map;
+  };
+  EXPECT_EQ(turned_map(cloud, camera, turned(false, true)), "upside down");
+  EXPECT_EQ(turned_map(cloud, camera, turned(true, false)), "mirrored");
+  EXPECT_EQ(turned_map(cloud, camera, depth), std::nullopt);
+}
+
 TEST(CheckScene, ConfidenceOfNothingIsAWarning) {
   const fs::path folder = write_scene();
   fs::create_directories(folder / "pred_confidence");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 
 #include "core/error.h"
 #include "edit/export/aligned_room.h"
@@ -42,6 +43,24 @@ std::string default_name(const std::string& format, bool edited) {
   if (is_plan(format)) return format;
   const bool own = format == "ply" || format == "labels.ply";
   return (edited ? "scene.edited." : own ? "scene.export." : "scene.") + format;
+}
+
+/// How files of a format begin, where all that this program writes begin alike; else empty.
+std::string_view beginning_of(const std::string& format) {
+  if (format == "obj") return "# aligngs ";
+  if (format == "usda") return "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs ";
+  return {};
+}
+
+/// Error{kUsage} where the file or one beside it would replace a file of the run, or of somebody else.
+void require_free(const EditSession& session, const std::string& format, const std::filesystem::path& file,
+                  bool textured) {
+  const RunFolder run(session.folder());
+  const std::filesystem::path& scene = session.scene().folder;
+  run.require_not_of_run(file, scene, beginning_of(format));
+  if (!textured) return;
+  run.require_not_of_run(texture_beside(file), scene);
+  if (format == "obj") run.require_not_of_run(material_beside(file), scene, kMaterialBeginning);
 }
 
 /// Scene units.
@@ -108,7 +127,7 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   RunExport out;
   out.edits = options.original ? 0 : session.stack().size();
   out.file = !options.file.empty() ? options.file : session.folder() / (default_name(format, out.edits > 0));
-  RunFolder(session.folder()).require_not_of_run(out.file, session.scene().folder);
+  require_free(session, format, out.file, options.textured && (format == "obj" || format == "usda"));
   const bool moves = options.coordinates == ExportCoordinates::kRoom && format != "html";
   const std::optional<MeasuredRoom> measured = moves || is_plan(format) ? room_of(session.folder()) : std::nullopt;
   if (is_plan(format)) {

@@ -46,8 +46,9 @@ bool is_own_page(const fs::path& file) {
   return head.empty() || head.find("<title>aligngs") != std::string::npos;
 }
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& what) {
-  throw Error({ErrorKind::kUsage, what, file, "output", "name another file"});
+[[noreturn]] void refuse(const fs::path& file, const std::string& what,
+                         const std::string& remedy = "name another file") {
+  throw Error({ErrorKind::kUsage, what, file, "output", remedy});
 }
 
 }  // namespace
@@ -65,7 +66,8 @@ void require_replaceable(const fs::path& file, std::string_view own_beginning) {
     refuse(file, "this page was not written by aligngs: it is never replaced");
   const bool own = there && !own_beginning.empty() && first_bytes(file, own_beginning.size()) == own_beginning;
   if (there && !own_beginning.empty() && !own)
-    refuse(file, "this file does not begin as those of aligngs do: it is never replaced");
+    refuse(file, "this file was not written by aligngs: it is never replaced",
+           "name another place, or move this file away");
   const fs::path place = real_place(file);
   fs::path folder = place.parent_path();
   for (int level = 0; level < kPathLevels && folder != folder.parent_path(); ++level, folder = folder.parent_path()) {

@@ -73,12 +73,16 @@ std::string option_sections(const CommandInfo& command) {
 
 std::string man_page_name(const CommandInfo& command) { return page_of(command.path) + ".1"; }
 
+std::string man_page_beginning(const CommandInfo& command) {
+  return fmt::format(".TH {} 1 \"\" \"aligngs ", plain(upper(page_of(command.path))));
+}
+
 std::string man_page(const CommandInfo& command, const CommandInfo& program) {
   const std::string page = page_of(command.path);
   const bool top = command.path.empty();
   std::string brief = command.description.substr(0, command.description.find('\n'));
   while (!brief.empty() && (brief.back() == ',' || brief.back() == '.')) brief.pop_back();
-  std::string out = fmt::format(".TH {} 1 \"\" \"aligngs {}\" \"aligngs\"\n", plain(upper(page)), version());
+  std::string out = man_page_beginning(command) + version() + "\" \"aligngs\"\n";
   out += fmt::format(".SH NAME\n{} \\- {}\n", plain(page), plain(brief));
   out += fmt::format(".SH SYNOPSIS\n.B aligngs{}\n[OPTIONS]", top ? "" : " " + plain(command.path));
   for (const OptionInfo& option : command.options) {

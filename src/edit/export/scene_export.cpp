@@ -103,6 +103,14 @@ void ExportReport::describe(const ExportMesh& mesh) {
   open_edges = mesh.open_edges;
 }
 
+std::filesystem::path texture_beside(const std::filesystem::path& path) {
+  return std::filesystem::path(path).replace_extension(".jpg");
+}
+
+std::filesystem::path material_beside(const std::filesystem::path& path) {
+  return std::filesystem::path(path).replace_extension(".mtl");
+}
+
 ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
                          ThreadPool& pool, const ExportOptions& options) {
   require_export_format(format);

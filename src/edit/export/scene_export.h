@@ -60,6 +60,10 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
 /// as write_glb.
 ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
                                  const ExportOptions& options = {});
+/// Files that an OBJ or a USD with a texture has beside it, and how such a material begins.
+std::filesystem::path texture_beside(const std::filesystem::path& path);
+std::filesystem::path material_beside(const std::filesystem::path& path);
+inline constexpr const char* kMaterialBeginning = "newmtl photos\nillum 0\nKd 1 1 1\n";
 /// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up. With a texture:
 /// texture coordinates instead, and beside the file its .mtl and .jpg of the same name.
 ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,

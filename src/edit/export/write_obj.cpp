@@ -5,18 +5,16 @@
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
-#include "io/image_file.h"
+#include "io/drawn_picture.h"
 
 namespace aligngs {
 namespace {
 
 /// Beside the file: its texture, and the material that names it. Unlit (illum 0): the photos' light is in the colours.
 void write_material(const std::filesystem::path& path, const Image<uint8_t>& texture, ExportReport& report) {
-  std::filesystem::path picture = path, library = path;
-  picture.replace_extension(".jpg");
-  library.replace_extension(".mtl");
-  write_jpeg(picture, texture, kTextureQuality);
-  write_file_atomically(library, "newmtl photos\nillum 0\nKd 1 1 1\nmap_Kd " + picture.filename().string() + "\n");
+  const std::filesystem::path picture = texture_beside(path), library = material_beside(path);
+  write_drawn_jpeg(picture, texture, kTextureQuality);
+  write_file_atomically(library, std::string(kMaterialBeginning) + "map_Kd " + picture.filename().string() + "\n");
   report.files.push_back(library);
   report.files.push_back(picture);
 }

@@ -13,6 +13,7 @@
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
+#include "io/drawn_picture.h"
 #include "io/image_file.h"
 #include "io/zip_writer.h"
 
@@ -304,9 +305,8 @@ ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& r
   report.objects = parts.size();
   std::string texture;
   if (!surfaces.texture.empty()) {
-    std::filesystem::path picture = path;
-    picture.replace_extension(".jpg");
-    write_jpeg(picture, surfaces.texture, kTextureQuality);
+    const std::filesystem::path picture = texture_beside(path);
+    write_drawn_jpeg(picture, surfaces.texture, kTextureQuality);
     report.files.push_back(picture);
     texture = "./" + picture.filename().string();
   }

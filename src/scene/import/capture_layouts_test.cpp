@@ -37,6 +37,18 @@ TEST(CaptureLayouts, AnUnknownFolderIsToldAllOfThem) {
   }
 }
 
+TEST(CaptureLayouts, PosesOfAllPhotosInOneArrayAreNamed) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "poses_in_one_array";
+  write_file_atomically(folder / "images" / "a.jpg", "x");
+  write_file_atomically(folder / "poses.npy", "x");
+  try {
+    read_capture(folder);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(error.details().remedy.find("poses/"), std::string::npos) << error.what();
+  }
+}
+
 TEST(CaptureLayouts, AnUnknownNameIsAUsageError) {
   try {
     read_capture(testing::TempDir(), {.layout = "rgdb"});

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "core/log.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
@@ -14,6 +15,14 @@
 namespace aligngs {
 
 namespace {
+
+/// The first line of a list that a spreadsheet has written.
+bool is_header(const std::string& name) {
+  static const std::set<std::string> kWords = {"name",      "names", "file",   "files",      "filename",
+                                               "file_name", "image", "images", "image_name", "photo",
+                                               "photos",    "frame", "frames", "view"};
+  return kWords.count(lower_case(name)) > 0;
+}
 
 std::vector<int> indices_of(const Capture& capture, const std::vector<std::string>& names, const char* list,
                             bool skip_lost) {
@@ -26,7 +35,8 @@ std::vector<int> indices_of(const Capture& capture, const std::vector<std::strin
     const int found = frames.find(name);
     if (found >= 0)
       indices.push_back(found);
-    else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name)))
+    else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name)) &&
+             !(&name == &names.front() && names.size() > 1 && is_header(name)))
       unknown += (unknown.empty() ? " " : ", ") + as_utf8(name);
   }
   if (!unknown.empty() && !skip_lost)

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "io/npy.h"
 #include "scene/import/capture_text.h"
 #include "scene/import/testing/capture_folder.h"
 #include "scene/import/view_selection.h"
@@ -43,6 +44,25 @@ TEST_F(CaptureTest, ReadsAnRgbdFolderWithItsSplit) {
   EXPECT_FLOAT_EQ(map.at(5, 5), 2.5f);
   EXPECT_EQ(map.at(0, 0), 0);
   EXPECT_EQ(map.at(1, 0), 0);
+}
+
+TEST_F(CaptureTest, PosesMayHaveFortransExponents) {
+  image("images/a.jpg");
+  write("poses/a.txt", "0 -1.0D+00 0 1.d0\n1D0 0 0 2\n0 0 10.0d-1 0.3D1\n0 0 0 1\n");
+  write("intrinsics.txt", "3.0D+01 0 16\n0 31 12\n0 0 1\n");
+  expect_one_known_camera(read_capture(folder_));
+}
+
+TEST_F(CaptureTest, PosesMayBeArraysOfNumpy) {
+  image("images/a.jpg");
+  fs::create_directories(folder_ / "poses");
+  std::vector<float> pose = {0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1};
+  write_npy_float32(folder_ / "poses" / "a.npy", {4, 4}, pose.data());
+  write("intrinsics.txt", "30 0 16\n0 31 12\n0 0 1\n");
+  expect_one_known_camera(read_capture(folder_));
+  pose[3] = 4.5e6f;  // of a map: its metres would be rounded
+  write_npy_float32(folder_ / "poses" / "a.npy", {4, 4}, pose.data());
+  EXPECT_THROW(read_capture(folder_), Error);
 }
 
 TEST_F(CaptureTest, ReadsScanNetAndBringsDepthToTheColourCamera) {

@@ -8,6 +8,8 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/npy.h"
+#include "io/picture_format.h"
 #include "io/text_encoding.h"
 #include "io/text_tokens.h"
 #include "scene/photo_lookup.h"
@@ -16,9 +18,34 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// Exponents as Fortran writes them: 1.5D-03 is 1.5e-03.
+std::string with_plain_exponents(std::string text) {
+  const auto digit = [&](size_t i) { return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])); };
+  for (size_t i = 1; i + 1 < text.size(); ++i) {
+    const bool sign = text[i + 1] == '+' || text[i + 1] == '-';
+    if ((text[i] == 'D' || text[i] == 'd') && (digit(i - 1) || text[i - 1] == '.') && digit(i + 1 + sign))
+      text[i] = 'e';
+  }
+  return text;
+}
+
+}  // namespace
+
 std::vector<double> read_numbers(const fs::path& file) {
   constexpr uint64_t kLimit = uint64_t(1) << 28;  // bytes; a trajectory of a million poses is smaller
-  const std::string text(text_of_file(read_file(file, kLimit), file));
+  if (has_extension(file, {".npy"})) {
+    const FloatArray array = read_npy(file);
+    constexpr float kLargest = 1e4f;  // above, 32 bits keep less than a millimetre of metres
+    for (const float value : array.data) {
+      if (std::fabs(value) > kLargest && std::isfinite(value))
+        throw_bad_input(file, "values", "numbers of an array keep seven digits here, too few for such coordinates",
+                        "write the matrix as text");
+    }
+    return {array.data.begin(), array.data.end()};
+  }
+  const std::string text = with_plain_exponents(std::string(text_of_file(read_file(file, kLimit), file)));
   std::vector<double> numbers;
   size_t line = 1;
   for (const char* p = text.c_str(); *p;) {
@@ -163,6 +190,11 @@ std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::
     return natural_less(a.filename().string(), b.filename().string());
   });
   return files;
+}
+
+fs::path numbers_file(const fs::path& stem) {
+  const fs::path text = stem.string() + ".txt", array = stem.string() + ".npy";
+  return !fs::exists(text) && fs::exists(array) ? array : text;
 }
 
 fs::path first_existing(const std::vector<fs::path>& candidates) {

@@ -10,7 +10,8 @@
 
 namespace aligngs {
 
-/// All numbers of a text file, "nan" and "inf" included; '#' starts a comment. Error{kBadInput} for other words.
+/// All numbers of a text file, "nan" and "inf" included, exponents also with D; '#' starts a comment. Those of a .npy
+/// file in the order of its rows. Error{kBadInput} for other words, and for numbers that are too large for an array.
 std::vector<double> read_numbers(const std::filesystem::path& file);
 
 /// The names of a list: one a line, or several with commas between them. Blanks belong to names; lines that begin with
@@ -35,6 +36,8 @@ bool natural_less(const std::string& a, const std::string& b);
 /// listed.
 std::vector<std::filesystem::path> list_files(const std::filesystem::path& folder,
                                               const std::vector<std::string>& extensions);
+/// `stem`.txt, or `stem`.npy where only that is there.
+std::filesystem::path numbers_file(const std::filesystem::path& stem);
 std::filesystem::path first_existing(const std::vector<std::filesystem::path>& candidates);
 
 }  // namespace aligngs

@@ -41,6 +41,30 @@ TEST_F(CaptureTest, AMatrixMayBeOneListOfNumbers) {
   expect_one_known_camera(read_capture(folder_));
 }
 
+TEST_F(CaptureTest, AMatrixOfIntrinsicsIsRead) {
+  image("images/a.png");
+  const auto params = [&](const std::string& intrinsics) {
+    write("transforms.json", "{" + intrinsics + R"(, "frames": [{"file_path": "images/a.png",
+            "transform_matrix": [[0,1,0,1], [1,0,0,2], [0,0,-1,3], [0,0,0,1]]}]})");
+    return read_capture(folder_).frames.at(0).camera.params;
+  };
+  for (const char* field : {R"("camera_intrinsics": [[30,0,16],[0,31,12],[0,0,1]])", R"("K": [30,0,16,0,31,12,0,0,1])",
+                            R"("intrinsic_matrix": [[30,0,16,0],[0,31,12,0],[0,0,1,0],[0,0,0,1]])"})
+    EXPECT_THAT(params(field), ElementsAre(30, 31, 16, 12)) << field;
+  EXPECT_THAT(params(R"("fl_x": 30, "fl_y": 31, "K": [40,0,16,0,40,12,0,0,1])"), ElementsAre(30, 31, 16, 12));
+  for (const char* field : {R"("K": [30,0.5,16,0,31,12,0,0,1])", R"("K": [30,0,0,0,31,0,16,12,1])",
+                            R"("K": [30,31,16,12])", R"("K": [[30,0,16],[0,"x",12],[0,0,1]])"})
+    EXPECT_THROW(params(field), Error) << field;
+}
+
+TEST_F(CaptureTest, CommentsAndLastCommasOfTransformsJsonAreLeftOut) {
+  image("images/a.png");
+  write("transforms.json", R"({"fl_x": 30, // pixels
+            "cx": 16, "cy": 12, "w": 32, "h": 24, /* of the photos */ "frames": [{"file_path": "images/a.png",
+            "transform_matrix": [[0,1,0,1], [1,0,0,2], [0,0,-1,3], [0,0,0,1],],},]})");
+  expect_one_known_camera(read_capture(folder_));
+}
+
 /// A transforms.json of one frame with these further fields.
 class TransformsTest : public CaptureTest {
  protected:

@@ -185,6 +185,22 @@ TEST_F(ImportCaptureTest, ListsAreSplitAtLineEndsAndCommas) {
   EXPECT_THAT(read_name_list(folder / "list.txt"), ElementsAre("a b.jpg", "c", "d", "e"));
 }
 
+/// A photo of such a name is one.
+TEST_F(ImportCaptureTest, TheHeaderOfAListIsNoFrame) {
+  for (const char* name : {"a.jpg", "b.jpg", "image.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg", "image.jpg"});
+  ImportOptions options;
+  options.overwrite = true;
+  options.train_names = {"Filename", "a.jpg", "b.jpg"};
+  import(options);
+  EXPECT_EQ(scene().train.size(), 2u);
+  options.train_names = {"image", "a.jpg", "b.jpg"};
+  import(options);
+  EXPECT_EQ(scene().train.size(), 3u);
+  options.train_names = {"a.jpg", "filename", "b.jpg"};
+  EXPECT_THROW(import(options), Error);
+}
+
 TEST_F(ImportCaptureTest, AListWithoutNamesIsRefused) {
   for (const char* text : {"", "# nothing\n", " , ,\r\n"}) {
     write_file_atomically(folder / "list.txt", text);

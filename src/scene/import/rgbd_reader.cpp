@@ -92,7 +92,7 @@ Capture read_rgbd_folder(const fs::path& folder, const CaptureOptions&) {
   for (const fs::path& image : photos) {
     const std::string name = image.stem().string();
     add_frame(capture, name, [&] {
-      return posed_frame(name, image, depths / (name + ".png"), folder / "poses" / (name + ".txt"), k);
+      return posed_frame(name, image, depths / (name + ".png"), numbers_file(folder / "poses" / name), k);
     });
   }
   capture.train = read_names(folder / "train.txt");

@@ -60,7 +60,7 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
       CapturedFrame frame;
       frame.name = name;
       frame.image = image;
-      const fs::path pose = folder / "pose" / (name + ".txt");
+      const fs::path pose = numbers_file(folder / "pose" / name);
       if (!fs::exists(pose)) throw_bad_input(pose, "", "it has no pose", "add the pose or remove the image");
       const std::vector<double> m = read_matrix4(pose);
       if (!all_finite(m.data(), 16))

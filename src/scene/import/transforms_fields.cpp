@@ -110,6 +110,9 @@ const std::set<std::string> kPerspective = {"",       "PERSPECTIVE", "SIMPLE_PIN
 const std::set<std::string> kFisheye = {"FISHEYE", "OPENCV_FISHEYE", "SIMPLE_FISHEYE", "SIMPLE_RADIAL_FISHEYE",
                                         "RADIAL_FISHEYE"};
 
+/// A matrix of intrinsics, as programs call it.
+constexpr const char* kMatrices[] = {"camera_intrinsics", "intrinsic_matrix", "intrinsics", "camera_matrix", "K"};
+
 const char* const kUndistort =
     "undistort the images with the program that estimated the lens, and write a transforms.json for those";
 
@@ -155,6 +158,27 @@ std::string TransformsFields::text(const char* key) const {
   return value->get<std::string>();
 }
 
+std::optional<std::array<double, 4>> TransformsFields::intrinsics() const {
+  for (const char* key : kMatrices) {
+    const Json* value = find(key);
+    if (!value || !value->is_array()) continue;  // an object of other names is listed as unknown
+    std::vector<double> m;
+    for (const Json& row : *value) {  // rows, or all numbers in one list
+      if (!row.is_array()) m.push_back(number_of_json(row));
+      for (const Json& number : row.is_array() ? row : Json::array()) m.push_back(number_of_json(number));
+    }
+    const size_t side = m.size() == 16 ? 4 : 3;
+    const bool square =
+        m.size() == side * side && std::all_of(m.begin(), m.end(), [](double entry) { return std::isfinite(entry); });
+    const double skew = 1e-6;  // of the focal length: rounding
+    if (!square || !(m[0] > 0 && m[side + 1] > 0) || std::fabs(m[1]) > skew * m[0] || m[side] != 0 ||
+        m[2 * side] != 0 || m[2 * side + 1] != 0 || m[2 * side + 2] != 1)
+      throw_bad_input(file_, key, "this is no matrix of intrinsics", "write fx 0 cx / 0 fy cy / 0 0 1 in pixels");
+    return std::array{m[0], m[side + 1], m[2], m[side + 2]};
+  }
+  return {};
+}
+
 void TransformsFields::refuse_unsupported() const {
   for (const char* key : {"ftheta_p0", "latlong", "equirectangular", "orthographic"}) {
     const Json* value = find(key);
@@ -168,13 +192,15 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
   const double w = number("w", width), h = number("h", height);
   if (!(w >= 1 && h >= 1 && w <= 65535 && h <= 65535))
     throw_bad_input(file_, "w, h", "impossible sizes", "the size of the images in pixels");
-  const auto focal = [&](const char* pixels, const char* radians, const char* degrees, double side) {
-    const double direct = number(pixels, 0), angle = number(radians, kRadiansPerDegree * number(degrees, 0));
+  const std::array<double, 4> matrix = intrinsics().value_or(std::array<double, 4>{0, 0, w / 2, h / 2});
+  const auto focal = [&](const char* pixels, double of_matrix, const char* radians, const char* degrees, double side) {
+    const double direct = number(pixels, of_matrix), angle = number(radians, kRadiansPerDegree * number(degrees, 0));
     if (direct > 0) return direct;
     if (direct < 0) throw_bad_input(file_, pixels, "a negative focal length", "the focal length in pixels");
     return angle > 0 && angle < kPi ? 0.5 * side / std::tan(0.5 * angle) : 0.0;
   };
-  double fx = focal("fl_x", "camera_angle_x", "x_fov", w), fy = focal("fl_y", "camera_angle_y", "y_fov", h);
+  double fx = focal("fl_x", matrix[0], "camera_angle_x", "x_fov", w),
+         fy = focal("fl_y", matrix[1], "camera_angle_y", "y_fov", h);
   if (!(fx > 0)) fx = fy;
   if (!(fy > 0)) fy = fx;
   for (const char* key : {"camera_angle_x", "camera_angle_y"}) {
@@ -182,7 +208,8 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
       throw_bad_input(file_, key, "an angle of view above 3.14",
                       "this angle is in radians; x_fov and y_fov are degrees");
   }
-  if (!(fx > 0)) throw_bad_input(file_, "fl_x", "no focal length (fl_x or camera_angle_x)", "add fl_x in pixels");
+  if (!(fx > 0))
+    throw_bad_input(file_, "fl_x", "no focal length (fl_x, camera_angle_x or camera_intrinsics)", "add fl_x in pixels");
 
   const std::string model = text("camera_model");
   if (!kPerspective.count(model) && !kFisheye.count(model)) {
@@ -200,7 +227,7 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
     p1 = (*list)[4].get<double>();
     p2 = (*list)[5].get<double>();
   }
-  const double cx = number("cx", w / 2), cy = number("cy", h / 2);
+  const double cx = number("cx", matrix[2]), cy = number("cy", matrix[3]);
   if (!find("w") && !find("h")) {
     if (const std::string problem = misfit_of_intrinsics(cx, cy, int(w), int(h)); !problem.empty())
       throw_bad_input(file_, "cx, cy", problem + "; w and h are absent",
@@ -245,6 +272,13 @@ std::vector<std::string> TransformsFields::contradictions(int width, int height)
                                   other, pixels, focal));
   };
   const double w = number("w", width), h = number("h", height);
+  if (const auto matrix = intrinsics()) {
+    const double focal = number("fl_x", (*matrix)[0]);
+    if (std::abs(focal - (*matrix)[0]) > kTolerance * focal)
+      lines.push_back(
+          fmt::format("the matrix of intrinsics is not used: it has a focal length of {:.4g}, fl_x says {:.4g}",
+                      (*matrix)[0], focal));
+  }
   compare("fl_x", "camera_angle_x", 1, w);
   compare("fl_y", "camera_angle_y", 1, h);
   compare("fl_x", "x_fov", kRadiansPerDegree, w);
@@ -255,7 +289,9 @@ std::vector<std::string> TransformsFields::contradictions(int width, int height)
 std::vector<std::string> unknown_fields(const Json& object) {
   std::vector<std::string> unknown;
   for (const auto& [key, value] : object.items()) {
-    if (kUsed.count(key) || kHarmless.count(key) || value.is_null()) continue;
+    const bool matrix =
+        value.is_array() && std::find(std::begin(kMatrices), std::end(kMatrices), key) != std::end(kMatrices);
+    if (matrix || kUsed.count(key) || kHarmless.count(key) || value.is_null()) continue;
     unknown.push_back(key);
   }
   return unknown;

@@ -2,6 +2,7 @@
 // here, or refused by name. docs/formats.md lists them. src/scene/import internal.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -27,6 +28,9 @@ class TransformsFields {
   bool flag(const char* key) const;
   std::string text(const char* key) const;  ///< empty: absent
   const nlohmann::json* find(const char* key) const;
+  /// fx, fy, cx, cy of a matrix of intrinsics under one of its names; nothing where there is none. Error{kBadInput}
+  /// naming the field for another matrix.
+  std::optional<std::array<double, 4>> intrinsics() const;
 
   /// The camera at the size that the file states, else at width x height of the photo as stored. Error{kBadInput}
   /// naming the field for lenses that are no view of a pinhole, for terms without a counterpart here, and without any

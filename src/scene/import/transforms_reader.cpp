@@ -35,7 +35,7 @@ struct Transforms {
 
 Transforms read_document(const fs::path& file) {
   const std::string content = read_file(file);
-  const std::string text = as_utf8(text_of_file(content, file));  // old programs write latin-1
+  const std::string text = without_comments(as_utf8(text_of_file(content, file)));  // old programs write latin-1
   Transforms transforms{file, parse_json(text)};
   const Json& document = transforms.document;
   if (document.is_discarded()) {

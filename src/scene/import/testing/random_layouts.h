@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "io/colmap.h"
+#include "io/npy.h"
 #include "scene/import/capture.h"
 #include "scene/import/testing/random_capture.h"
 
@@ -57,6 +58,37 @@ inline void photo_of(Written& written, size_t index, const fs::path& file) {
 
 inline constexpr double kMillimetre = 0.001;
 
+/// Numbers as Fortran writes them: 1.5 as 1.5D+00.
+inline std::string with_fortran_exponents(const std::string& numbers) {
+  std::istringstream words(numbers);
+  std::string out;
+  for (std::string word; words >> word;) {
+    const size_t exponent = word.find('e');
+    if (exponent != std::string::npos)
+      word[exponent] = 'D';
+    else if (word.find_first_of("aif") == std::string::npos)  // no nan
+      word += "D+00";
+    out += word + " ";
+  }
+  return out;
+}
+
+/// A pose as text, with other exponents, or as an array, which is for coordinates of a room.
+inline void write_pose(RandomCapture& capture, const RandomFrame& frame, const fs::path& stem) {
+  const std::string matrix = capture.matrix(frame, false);
+  const bool room = norm(frame.world_to_camera.inverse().translation) < 1e3;
+  const int kind = capture.random.below(room ? 4 : 3);
+  if (kind == 3) {
+    std::istringstream words(matrix);
+    std::vector<float> numbers;
+    for (std::string word; words >> word;) numbers.push_back(std::strtof(word.c_str(), nullptr));
+    fs::create_directories(stem.parent_path());
+    write_npy_float32(stem.string() + ".npy", {4, 4}, numbers.data());
+  } else {
+    write_text(stem.string() + ".txt", kind == 2 ? with_fortran_exponents(matrix) : matrix);
+  }
+}
+
 inline Written rgbd(uint64_t seed, const fs::path& folder) {
   Written out{RandomCapture(seed, false), {}, true, {}};
   RandomCapture& capture = out.capture;
@@ -65,7 +97,7 @@ inline Written rgbd(uint64_t seed, const fs::path& folder) {
     const RandomFrame& frame = capture.frames[i];
     photo_of(out, i, folder / "images" / (frame.name + capture.extension));
     capture.write_depth(frame, folder / "depth" / (frame.name + ".png"), kMillimetre);
-    write_text(folder / "poses" / (frame.name + ".txt"), capture.matrix(frame, false));
+    write_pose(capture, frame, folder / "poses" / frame.name);
   }
   return out;
 }
@@ -89,7 +121,7 @@ inline Written scannet(uint64_t seed, const fs::path& folder) {
     const std::string name = std::to_string(10 * i);
     photo_of(out, i, folder / "color" / (name + ".jpg"));
     capture.write_depth(capture.frames[i], folder / "depth" / (name + ".png"), kMillimetre, times);
-    write_text(folder / "pose" / (name + ".txt"), capture.matrix(capture.frames[i], false));
+    write_pose(capture, capture.frames[i], folder / "pose" / name);
   }
   return out;
 }
@@ -182,9 +214,13 @@ inline Written transforms(uint64_t seed, const fs::path& folder) {
   const double scale = capture.random.chance(0.5) ? 1 : capture.random.uniform(0.5, 2),
                unit = capture.random.chance(0.5) ? 0.001 : 0.0002;
   const double size = capture.random.chance(0.3) ? 2 : 1;  // of the pictures that the cameras were found in
+  const bool matrix_of_lens = capture.random.chance(0.3), by_hand = capture.random.chance(0.3);
   std::string lens = fmt::format(
-      R"("w": {}, "h": {}, "fl_x": {:.17g}, "fl_y": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "k1": {:.17g}, "k2": {:.17g}, "p1": {:.17g}, "p2": {:.17g})",
-      l.width * size, l.height * size, l.fx * size, l.fy * size, l.cx * size, l.cy * size, l.k1, l.k2, l.p1, l.p2);
+      fmt::runtime(matrix_of_lens ? R"("camera_intrinsics": [[{:.17g}, 0, {:.17g}], [0, {:.17g}, {:.17g}], [0, 0, 1]])"
+                                  : R"("fl_x": {:.17g}, "cx": {:.17g}, "fl_y": {:.17g}, "cy": {:.17g})"),
+      l.fx * size, l.cx * size, l.fy * size, l.cy * size);
+  lens += fmt::format(R"(, "w": {}, "h": {}, "k1": {:.17g}, "k2": {:.17g}, "p1": {:.17g}, "p2": {:.17g})",
+                      l.width * size, l.height * size, l.k1, l.k2, l.p1, l.p2);
   if (l.model == "OPENCV_FISHEYE")
     lens += R"(, "k3": 0, "k4": 0, "camera_model": "OPENCV_FISHEYE")";
   else if (capture.random.chance(0.5))
@@ -205,7 +241,8 @@ inline Written transforms(uint64_t seed, const fs::path& folder) {
   }
   std::string all = "{" + (per_frame ? "" : lens + ", ");
   if (unit != 0.001) all += fmt::format(R"("depth_unit_scale_factor": {}, )", unit);
-  write_text(folder / "transforms.json", all + "\"frames\": [\n" + frames + "\n]}\n");
+  const char* const end = by_hand ? ", // the last\n],}\n" : "\n]}\n";
+  write_text(folder / "transforms.json", all + "\"frames\": [\n" + frames + end);
   return out;
 }
 
