@@ -9,6 +9,7 @@
 
 #include "core/thread_pool.h"
 #include "engine/engine.h"
+#include "gaussians/soft_labels.h"
 #include "scene/scene.h"
 #include "train/config.h"
 #include "train/opened_run.h"
@@ -23,6 +24,8 @@ struct LoadRunOptions {
   std::vector<std::string> sets = {};  ///< settings of the stage itself, e.g. "mesh.voxel=0.01"
   /// Semantic columns of the classes that a picture can show, alone (gaussians/shown_classes.h): a tenth of the memory.
   bool shown_classes = false;
+  /// smoothed_labels() of the trained rows, for a caller that has them (TrainResult::soft); null: computed.
+  std::shared_ptr<const SoftLabels> soft = {};
 };
 
 struct LoadedRun {

@@ -1,7 +1,9 @@
 #include "cli/stages/pipeline.h"
 
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "cli/print_json.h"
 #include "cli/report/html_report.h"
@@ -46,10 +48,12 @@ void stop_here_if_asked(const std::filesystem::path& run) {
 /// The steps after training, each by itself.
 class Products {
  public:
-  Products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device)
+  /// `soft`: of what was trained just now, or null.
+  Products(const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
+           const TsdfDeviceFactory& make_tsdf_device)
       : options_(options),
         make_tsdf_device_(make_tsdf_device),
-        run_(load_run(options.run, {options.scene, options.threads, options.make_engine})) {}
+        run_(load_run(options.run, load_options(options, std::move(soft)))) {}
 
   void render() {
     RenderStageOptions render;
@@ -91,6 +95,12 @@ class Products {
   const RunMetrics& metrics() const { return metrics_; }
 
  private:
+  static LoadRunOptions load_options(const TrainOptions& options, std::shared_ptr<const SoftLabels> soft) {
+    LoadRunOptions load{options.scene, options.threads, options.make_engine};
+    load.soft = std::move(soft);
+    return load;
+  }
+
   const TrainOptions& options_;
   const TsdfDeviceFactory& make_tsdf_device_;
   LoadedRun run_;
@@ -109,10 +119,11 @@ constexpr Product kProducts[] = {{RunStep::kRender, "render", &Products::render}
                                  {RunStep::kRoom, "room", &Products::room}};
 
 /// Returns what was measured.
-RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
+RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
+                         const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
   enter_stage(options.run, kProducts[0].stage);  // opening a large run takes seconds
-  Products products(options, make_tsdf_device);
+  Products products(options, std::move(soft), make_tsdf_device);
   for (const Product& product : kProducts) {
     if (!plan.has(product.step)) continue;
     enter_stage(options.run, product.stage);
@@ -129,11 +140,11 @@ RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, const
 
 RunMetrics run_pipeline(const RunPlan& plan, const TrainOptions& options, const CommandContext& context,
                         const TsdfDeviceFactory& make_tsdf_device) {
-  const TrainResult trained = train_run(options);
+  TrainResult trained = train_run(options);
   if (trained.already_finished) log_info("the training was finished already");
   RunMetrics metrics;
   try {
-    metrics = make_products(plan, options, make_tsdf_device);
+    metrics = make_products(plan, options, std::move(trained.soft), make_tsdf_device);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kInterrupted) throw;
     throw Error({ErrorKind::kInterrupted,
