@@ -10,6 +10,7 @@
 #include "core/thread_pool.h"
 #include "engine/engine.h"
 #include "gaussians/soft_labels.h"
+#include "refine/plane_depth.h"
 #include "scene/scene.h"
 #include "train/config.h"
 #include "train/opened_run.h"
@@ -36,6 +37,8 @@ struct LoadedRun {
   std::vector<Vec3f> log_gains;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
+  /// The training views at their working size, as the mesh stage rendered them for the room stage; may be empty.
+  std::vector<PlaneView> looks;
 
   const std::filesystem::path& folder() const { return opened->folder; }
   const TrainConfig& config() const { return opened->config; }

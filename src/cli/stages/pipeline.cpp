@@ -49,9 +49,10 @@ void stop_here_if_asked(const std::filesystem::path& run) {
 class Products {
  public:
   /// `soft`: of what was trained just now, or null.
-  Products(const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
+  Products(const RunPlan& plan, const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
            const TsdfDeviceFactory& make_tsdf_device)
-      : options_(options),
+      : plan_(plan),
+        options_(options),
         make_tsdf_device_(make_tsdf_device),
         run_(load_run(options.run, load_options(options, std::move(soft)))) {}
 
@@ -66,6 +67,7 @@ class Products {
     MeshStageOptions mesh;
     mesh.make_device = make_tsdf_device_;
     mesh.may_be_empty = true;
+    mesh.keep_looks = plan_.has(RunStep::kRoom);
     if (mesh_run(run_, mesh).file.empty()) {
       warn(options_.run,
            "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at "
@@ -101,6 +103,7 @@ class Products {
     return load;
   }
 
+  const RunPlan& plan_;
   const TrainOptions& options_;
   const TsdfDeviceFactory& make_tsdf_device_;
   LoadedRun run_;
@@ -123,7 +126,7 @@ RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, std::
                          const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
   enter_stage(options.run, kProducts[0].stage);  // opening a large run takes seconds
-  Products products(options, std::move(soft), make_tsdf_device);
+  Products products(plan, options, std::move(soft), make_tsdf_device);
   for (const Product& product : kProducts) {
     if (!plan.has(product.step)) continue;
     enter_stage(options.run, product.stage);
