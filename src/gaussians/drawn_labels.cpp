@@ -16,9 +16,12 @@ constexpr size_t kDrawnGrain = 2048;  // Gaussians per task
 }  // namespace
 
 void sharpen_label_rows(GaussianModel& model, double extent, double sharpness, ThreadPool& pool) {
+  if (model.semantic_channels == 0 || model.size() == 0) return;
+  sharpen_label_rows(model, smoothed_labels(model, extent, pool), sharpness, pool);
+}
+
+void sharpen_label_rows(GaussianModel& model, const SoftLabels& soft, double sharpness, ThreadPool& pool) {
   const size_t channels = static_cast<size_t>(model.semantic_channels);
-  if (channels == 0 || model.size() == 0) return;
-  const SoftLabels soft = smoothed_labels(model, extent, pool);
   const float power = static_cast<float>(sharpness), least = power * std::log(kLeast);
   pool.parallel_for(model.size(), kDrawnGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

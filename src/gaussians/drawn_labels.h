@@ -3,6 +3,7 @@
 
 #include "core/thread_pool.h"
 #include "gaussians/gaussian_model.h"
+#include "gaussians/soft_labels.h"
 
 namespace aligngs {
 
@@ -11,5 +12,7 @@ namespace aligngs {
 /// plant outvote the few that are the lamp. Rows that no pixel taught stay without class. For rows whose softmax is
 /// blended (SemanticBlend::kProbabilities). `extent` as for object_labels(). The same for any number of threads.
 void sharpen_label_rows(GaussianModel& model, double extent, double sharpness, ThreadPool& pool);
+/// The same with smoothed_labels() of the model, for whoever has them.
+void sharpen_label_rows(GaussianModel& model, const SoftLabels& soft, double sharpness, ThreadPool& pool);
 
 }  // namespace aligngs

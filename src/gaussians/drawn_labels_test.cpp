@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "gaussians/object_labels.h"
+
 namespace aligngs {
 namespace {
 
@@ -62,6 +64,15 @@ TEST(DrawnLabels, NeighboursOfLikeColourHaveASay) {
   ThreadPool pool(2);
   sharpen_label_rows(model, kWideExtent, 4, pool);
   EXPECT_GT(drawn(model, 10)[0], 0.9);
+}
+
+TEST(DrawnLabels, GivenProbabilitiesNeedNoSmoothing) {
+  const GaussianModel model = line({{0.6, 0.3, 0.1}, {0.2, 0.5, 0.3}, {0.1, 0.1, 0.8}});
+  ThreadPool pool(1);
+  GaussianModel smoothed = model, given = model;
+  sharpen_label_rows(smoothed, kWideExtent, 4, pool);
+  sharpen_label_rows(given, smoothed_labels(model, kWideExtent, pool), 4, pool);
+  EXPECT_EQ(smoothed.semantics, given.semantics);
 }
 
 TEST(DrawnLabels, WithoutSemanticsOrGaussiansNothingHappens) {

@@ -40,9 +40,12 @@ class Tally {
 }  // namespace
 
 LabelSmoother::LabelSmoother(const GaussianModel& model, double extent, ThreadPool& pool,
-                             const SmoothingOptions& options)
-    : options_(options), graph_(neighbour_graph(positions_of(model), options.neighbours, pool)) {
-  const size_t n = model.size(), k = graph_.k;
+                             const SmoothingOptions& options, const PlacedNeighbours& known)
+    : options_(options),
+      graph_(known.serves(model.positions, options.neighbours) ? known.graph
+                                                               : std::make_shared<const NeighbourGraph>(neighbour_graph(
+                                                                     positions_of(model), options.neighbours, pool))) {
+  const size_t n = model.size(), k = graph_->k;
   opacity_.resize(n);
   weight_.assign(n * k, -1.0);
   if (k == 0) return;
@@ -56,12 +59,12 @@ LabelSmoother::LabelSmoother(const GaussianModel& model, double extent, ThreadPo
                color_scale = -0.5 / (options.color_sigma * options.color_sigma);
   pool.parallel_for(n, kSmoothingGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
-      const double bandwidth = std::min<double>(graph_.distance[k * i + middle], reach);
+      const double bandwidth = std::min<double>(graph_->distance[k * i + middle], reach);
       const double distance_scale = bandwidth > 0 ? -0.5 / (bandwidth * bandwidth) : 0;
       for (size_t slot = k * i; slot < k * (i + 1); ++slot) {
-        const double distance = graph_.distance[slot];
+        const double distance = graph_->distance[slot];
         if (!(distance <= reach)) break;
-        const size_t j = graph_.index[slot];
+        const size_t j = graph_->index[slot];
         const Vec3f difference = colors[i] - colors[j];
         weight_[slot] =
             opacity_[j] * std::exp(distance * distance * distance_scale + dot(difference, difference) * color_scale);
@@ -71,7 +74,7 @@ LabelSmoother::LabelSmoother(const GaussianModel& model, double extent, ThreadPo
 }
 
 void LabelSmoother::smooth_once(SoftLabels& soft, ThreadPool& pool) const {
-  const size_t n = soft.size(), k = graph_.k;
+  const size_t n = soft.size(), k = graph_->k;
   uint16_t classes = 0;
   for (const uint16_t label : soft.label) classes = label == kNoLabel ? classes : std::max<uint16_t>(classes, label);
   SoftLabels next = soft;
@@ -88,7 +91,7 @@ void LabelSmoother::smooth_once(SoftLabels& soft, ThreadPool& pool) const {
       };
       add(i, options_.own_weight * opacity_[i]);
       for (size_t slot = k * i; slot < k * (i + 1) && weight_[slot] >= 0; ++slot)
-        add(graph_.index[slot], weight_[slot]);
+        add(graph_->index[slot], weight_[slot]);
       tally.take(total, &next.label[SoftLabels::kTop * i], &next.probability[SoftLabels::kTop * i]);
     }
   });
@@ -97,7 +100,7 @@ void LabelSmoother::smooth_once(SoftLabels& soft, ThreadPool& pool) const {
 
 SoftLabels LabelSmoother::smoothed(const GaussianModel& model, ThreadPool& pool) const {
   SoftLabels soft = soft_labels(model, pool);
-  for (int round = 0; round < options_.rounds && graph_.k > 0; ++round) smooth_once(soft, pool);
+  for (int round = 0; round < options_.rounds && graph_->k > 0; ++round) smooth_once(soft, pool);
   return soft;
 }
 

@@ -1,11 +1,12 @@
 // Class probabilities smoothed over neighbouring Gaussians.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/thread_pool.h"
 #include "gaussians/gaussian_model.h"
-#include "gaussians/point_tree.h"
+#include "gaussians/placed_neighbours.h"
 #include "gaussians/soft_labels.h"
 
 namespace aligngs {
@@ -26,20 +27,23 @@ struct SmoothingOptions {
 /// Neighbours and weights follow from shapes and colours alone: one smoother serves all labels of the same Gaussians.
 class LabelSmoother {
  public:
-  /// `extent` is that of the scene, scene units; 0: measured on the model. The same for any number of threads.
-  LabelSmoother(const GaussianModel& model, double extent, ThreadPool& pool, const SmoothingOptions& options = {});
+  /// `extent` is that of the scene, scene units; 0: measured on the model. The same for any number of threads. `known`
+  /// saves the search for neighbours where it has those of the model.
+  LabelSmoother(const GaussianModel& model, double extent, ThreadPool& pool, const SmoothingOptions& options = {},
+                const PlacedNeighbours& known = {});
 
   /// soft_labels() of the model's semantic rows, smoothed. Positions, colours and opacities are those of the
   /// constructor's model.
   SoftLabels smoothed(const GaussianModel& model, ThreadPool& pool) const;
 
-  const NeighbourGraph& graph() const { return graph_; }
+  const NeighbourGraph& graph() const { return *graph_; }
+  const std::shared_ptr<const NeighbourGraph>& shared_graph() const { return graph_; }
 
  private:
   void smooth_once(SoftLabels& soft, ThreadPool& pool) const;
 
   SmoothingOptions options_;
-  NeighbourGraph graph_;
+  std::shared_ptr<const NeighbourGraph> graph_;
   std::vector<float> opacity_;
   std::vector<double> weight_;  ///< [N][k]; negative from the first neighbour that is out of reach
 };

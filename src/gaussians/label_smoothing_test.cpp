@@ -32,6 +32,22 @@ TEST(LabelSmoothing, OneSmootherServesAllLabelsOfTheSameGaussians) {
   EXPECT_NE(of_first.smoothed(first, pool).probability, shared.probability);
 }
 
+TEST(LabelSmoothing, NeighboursOfOtherPlacesAreNotTaken) {
+  ThreadPool pool(2);
+  const GaussianModel model = cloud_of_classes(2);
+  const LabelSmoother searched(model, kSmoothedExtent, pool);
+  const PlacedNeighbours own{model.positions, searched.shared_graph()};
+  const LabelSmoother known(model, kSmoothedExtent, pool, {}, own);
+  EXPECT_EQ(known.shared_graph(), searched.shared_graph());
+  EXPECT_EQ(known.smoothed(model, pool).probability, searched.smoothed(model, pool).probability);
+  GaussianModel moved = model;
+  moved.positions[0] += 0.01f;
+  EXPECT_NE(LabelSmoother(moved, kSmoothedExtent, pool, {}, own).shared_graph(), searched.shared_graph());
+  SmoothingOptions fewer;
+  fewer.neighbours = 4;
+  EXPECT_EQ(LabelSmoother(model, kSmoothedExtent, pool, fewer, own).graph().k, 4u);
+}
+
 TEST(LabelSmoothing, TheNumberOfThreadsDoesNotMatter) {
   ThreadPool one(1), three(3);
   const GaussianModel model = cloud_of_classes(2);

@@ -5,8 +5,8 @@
 #include "gaussians/label_smoothing.h"
 
 namespace aligngs {
-SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool) {
-  return LabelSmoother(model, extent, pool).smoothed(model, pool);
+SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool, const PlacedNeighbours& known) {
+  return LabelSmoother(model, extent, pool, {}, known).smoothed(model, pool);
 }
 
 ObjectLabels object_labels(const GaussianModel& model, const LabelSet& labels, double extent, ThreadPool& pool) {

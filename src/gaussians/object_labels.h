@@ -4,13 +4,15 @@
 #include "core/thread_pool.h"
 #include "gaussians/gaussian_model.h"
 #include "gaussians/gaussian_ply.h"
+#include "gaussians/placed_neighbours.h"
 #include "gaussians/soft_labels.h"
 #include "scene/label_set.h"
 
 namespace aligngs {
 
-/// soft_labels() smoothed over neighbours (label_smoothing.h), once; `extent` as below.
-SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool);
+/// soft_labels() smoothed over neighbours (label_smoothing.h), once; `extent` as below, `known` as for LabelSmoother.
+SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool,
+                           const PlacedNeighbours& known = {});
 
 struct ObjectLabels {
   SoftLabels soft;        ///< smoothed over neighbours

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -96,10 +97,11 @@ class Aligner {
 
   int renderings() const { return renderings_; }
 
-  Equations measure(const PhotoLevel& level, const Rigidd& pose) {
+  /// `seen` becomes the scene from the pose.
+  Equations measure(const PhotoLevel& level, const Rigidd& pose, SceneLook& seen) {
     Camera camera = level.camera;
     camera.world_to_camera = pose;
-    const SceneLook seen = look_(camera);
+    seen = look_(camera);
     ++renderings_;
     Equations e;
     const std::vector<Sample> samples = samples_of(level, camera, seen, e.depth);
@@ -119,18 +121,19 @@ class Aligner {
     return e;
   }
 
-  /// Improves `pose` at one size.
-  void descend(const PhotoLevel& level, Rigidd& pose) {
-    Equations e = measure(level, pose);
+  /// Improves `pose` at one size. Returns the equations there; `seen` becomes the scene from there.
+  Equations descend(const PhotoLevel& level, Rigidd& pose, SceneLook& seen) {
+    Equations e = measure(level, pose, seen);
     double damping = kFirstDamping;
     for (int step = 1; step < settings_.steps && e.usable && damping < kMostDamping; ++step) {
       Matrix a = e.a;
       for (int k = 0; k < kNumbers; ++k) a(k, k) += damping * e.a(k, k) + kLeastLumaCurvature;
       const Vector d = a.ldlt().solve(-e.b);
-      if (!d.allFinite()) return;
+      if (!d.allFinite()) break;
       const Rigidd turn{rotation_matrix(normalized(Quaterniond{1, d[3] / 2, d[4] / 2, d[5] / 2})), {d[0], d[1], d[2]}};
       const Rigidd moved = turn * pose;
-      const Equations next = measure(level, moved);
+      SceneLook seen_next;
+      const Equations next = measure(level, moved, seen_next);
       if (!next.usable || !(next.error < e.error)) {
         damping *= 10;
         continue;
@@ -138,9 +141,11 @@ class Aligner {
       const double motion = level.camera.fx * (d.segment<3>(3).norm() + d.head<3>().norm() / e.depth);
       pose = moved;
       e = next;
+      seen = std::move(seen_next);
       damping = std::max(kFirstDamping, damping / 10);
-      if (motion < settings_.still) return;
+      if (motion < settings_.still) break;
     }
+    return e;
   }
 
  private:
@@ -219,17 +224,23 @@ PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const Im
   }
   PhotoAlignment result;
   result.camera = start;
-  if (start.width < kLeastSize || start.height < kLeastSize) return result;
+  if (start.width < kLeastSize || start.height < kLeastSize) {
+    result.seen = look(start);
+    return result;
+  }
   const std::vector<PhotoLevel> levels = levels_of(start, photo, mask, std::max(1, settings.levels));
   Aligner aligner(look, settings);
   Rigidd pose = start.world_to_camera;
-  const Equations first = aligner.measure(levels.front(), pose);
-  for (auto level = levels.rbegin(); level != levels.rend(); ++level) aligner.descend(*level, pose);
-  const Equations last = aligner.measure(levels.front(), pose);
+  const Equations first = aligner.measure(levels.front(), pose, result.seen);
+  Equations last;
+  SceneLook seen;
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) last = aligner.descend(*level, pose, seen);
   result.renderings = aligner.renderings();
   result.before = first.error;
   result.after = last.error;
-  if (first.usable && last.usable && last.error < first.error) result.camera.world_to_camera = pose;
+  if (!first.usable || !last.usable || !(last.error < first.error)) return result;
+  result.camera.world_to_camera = pose;
+  result.seen = std::move(seen);
   return result;
 }
 

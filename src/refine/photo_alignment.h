@@ -13,7 +13,7 @@ struct SceneLook {
   ImageF color;  ///< H x W x 3, as the photo
   ImageF depth;  ///< H x W, z of the camera, 0 = nothing to be seen
 };
-/// Renders at the camera's size.
+/// Renders at the camera's size. align_to_photo asks for the start at full size first.
 using LookAtScene = std::function<SceneLook(const Camera&)>;
 
 struct PhotoAlignmentSettings {
@@ -27,6 +27,7 @@ struct PhotoAlignmentSettings {
 
 struct PhotoAlignment {
   Camera camera;                 ///< the pose alone may differ from that of the start
+  SceneLook seen;                ///< the scene from there
   double before = 0, after = 0;  ///< mean norm of the grey differences at full size; 0 where nothing is seen
   int renderings = 0;
 };

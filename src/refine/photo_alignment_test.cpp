@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/error.h"
 
@@ -118,6 +119,27 @@ TEST(PhotoAlignment, ATruePoseStaysWhereItIs) {
   const Scene scene;
   const PhotoAlignment a = align_to_photo(aligned_camera(), scene(aligned_camera()).color, {}, scene);
   EXPECT_LT(norm(a.camera.centre()), 1e-4);
+}
+
+TEST(PhotoAlignment, NoCameraIsAskedTwiceAndTheLastSceneIsHandedOut) {
+  const Scene scene;
+  std::vector<Camera> asked;
+  const LookAtScene look = [&](const Camera& camera) {
+    for (const Camera& c : asked) {
+      const Rigidd &a = c.world_to_camera, &b = camera.world_to_camera;
+      EXPECT_FALSE(c.width == camera.width && norm(a.translation - b.translation) == 0 &&
+                   rotation_angle_between_degrees(a.rotation, b.rotation) == 0);
+    }
+    asked.push_back(camera);
+    return scene(camera);
+  };
+  const Camera start = moved(1, {0.03, 0.02, -0.02});
+  const PhotoAlignment a = align_to_photo(start, scene(aligned_camera()).color, {}, look);
+  EXPECT_EQ(a.renderings, static_cast<int>(asked.size()));
+  EXPECT_EQ(asked[0].width, start.width);
+  EXPECT_EQ(asked[0].world_to_camera.translation.x, start.world_to_camera.translation.x);
+  EXPECT_EQ(a.seen.color.data, scene(a.camera).color.data);
+  EXPECT_EQ(a.seen.depth.data, scene(a.camera).depth.data);
 }
 
 TEST(PhotoAlignment, APhotoOfAnotherSizeIsAnError) {

@@ -203,6 +203,7 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
   const std::vector<uint16_t> decided = label_outlines(outlines);
   for (size_t i = 0; i < model.size(); ++i) report.moved += decided[i] != outlines.soft.label[SoftLabels::kTop * i];
   write_decisions(outlines.soft, decided, outlines.area, model);
+  report.neighbours = {model.positions, smoother.shared_graph()};
   return report;
 }
 

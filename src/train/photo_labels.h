@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gaussians/object_naming.h"
+#include "gaussians/placed_neighbours.h"
 #include "train/photo_opinions.h"
 
 namespace aligngs {
@@ -16,9 +17,10 @@ struct PhotoLabelInputs {
 };
 
 struct PhotoLabelReport {
-  size_t regions = 0;  ///< connected, of one class
-  size_t renamed = 0;  ///< that got another name than most votes have
-  size_t moved = 0;    ///< Gaussians that outlines gave another label than most of their votes have
+  size_t regions = 0;           ///< connected, of one class
+  size_t renamed = 0;           ///< that got another name than most votes have
+  size_t moved = 0;             ///< Gaussians that outlines gave another label than most of their votes have
+  PlacedNeighbours neighbours;  ///< that the labels were smoothed over
 };
 
 /// Replaces the semantic rows of every Gaussian that a photo shows; the others keep theirs. The row is the logarithm of

@@ -224,8 +224,11 @@ TrainResult Run::train() {
   GaussianModel model;
   engine->store(model);
   GaussianLabels labels;
+  TrainResult result;
   if (model.semantic_channels > 0) {
-    labels = best_labels(smoothed_labels(model, robust_extent(in_.scene), *pool_), in_.scene.labels);
+    result.soft = std::make_shared<const SoftLabels>(
+        smoothed_labels(model, robust_extent(in_.scene), *pool_, trainer.neighbours()));
+    labels = best_labels(*result.soft, in_.scene.labels);
     const size_t objects = number_objects(model, in_.scene, config_, labels, *pool_).size();
     if (votes_for_objects(in_.scene, config_)) log_info("{} objects by votes of the photos' segments", objects);
   }
@@ -233,7 +236,6 @@ TrainResult Run::train() {
   write_label_files(folder_.path(), model, in_.scene.labels, labels);
   record_.trained = utc_now();
   record_end("done", "all iterations done");
-  TrainResult result;
   result.iterations = state.iteration;
   result.gaussians = model.size();
   result.seconds = state.seconds;

@@ -11,6 +11,7 @@
 
 #include "core/progress.h"
 #include "engine/engine.h"
+#include "gaussians/soft_labels.h"
 #include "train/config_file.h"
 #include "train/run_record.h"
 
@@ -43,6 +44,7 @@ struct TrainResult {
   double seconds = 0;  ///< training time over all resumes
   double psnr = 0;     ///< running mean over the last training views, dB
   std::vector<std::string> warnings;
+  std::shared_ptr<const SoftLabels> soft;  ///< smoothed_labels() of the rows; null without labels, and already_finished
 };
 
 /// Checks every file of the scene first, then the memory, then trains. The settings of a run that is resumed come from

@@ -9,6 +9,7 @@
 #include "core/progress.h"
 #include "core/thread_pool.h"
 #include "engine/engine.h"
+#include "gaussians/placed_neighbours.h"
 #include "scene/label_set.h"
 #include "train/checkpoint.h"
 #include "train/config.h"
@@ -55,6 +56,8 @@ class Trainer {
   /// Error{kInterrupted} after a stop request, with a checkpoint written; Error{kFailed} when non-finite values repeat
   /// or no Gaussian is left, with a valid checkpoint.
   TrainingState run(TrainingState state);
+  /// Neighbours of the Gaussians at the end, where objects were named in this process; else none.
+  const PlacedNeighbours& neighbours() const { return neighbours_; }
 
  private:
   void iterate(int64_t iteration, EventLog& events);
@@ -95,8 +98,9 @@ class Trainer {
   int64_t iterations_before_ = 0;
   double begun_ = 0;  ///< steady clock, seconds
   RunControl control_;
-  double look_at_ = 0;      ///< when to look for flags again, steady clock
-  double snapshot_at_ = 0;  ///< when the next snapshot may be written
+  double look_at_ = 0;           ///< when to look for flags again, steady clock
+  double snapshot_at_ = 0;       ///< when the next snapshot may be written
+  PlacedNeighbours neighbours_;  ///< of name_objects_now
 };
 
 }  // namespace aligngs

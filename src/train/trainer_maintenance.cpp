@@ -92,8 +92,9 @@ void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
     engine_.save_state(state);
   else
     engine_.store(state.model);
-  const PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
+  PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
   if (report.regions == 0) return;
+  neighbours_ = std::move(report.neighbours);
   if (goes_on)
     engine_.load_state(state);
   else

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "cli/stages/perceptual_metric.h"
 #include "core/log.h"
@@ -47,18 +48,21 @@ PoseError pose_error(const Camera& camera, const Camera& truth, const Similarity
           rotation_angle_between_degrees(moved.rotation, truth.world_to_camera.rotation)};
 }
 
-/// Scores with the pose fitted to the test photo itself; the scene is frozen.
-RefinedPoseMetrics measure_with_refined_pose(LoadedRun& run, int view, const ViewData& data,
+/// Scores with the pose fitted to the test photo itself; the scene is frozen. `start`: the scene from data.camera,
+/// which the fit asks for first.
+RefinedPoseMetrics measure_with_refined_pose(LoadedRun& run, int view, const ViewData& data, SceneLook start,
                                              const Similarity& to_truth) {
   RenderOptions options = run.render_options();
   options.labels = false;
+  bool first = true;
   const LookAtScene look = [&](const Camera& camera) {
+    if (std::exchange(first, false)) return std::move(start);
     Rendering r = run.engine->render(camera, options);
     run.expose_as(view, r.color);
     return SceneLook{std::move(r.color), std::move(r.depth_plane)};
   };
   const PhotoAlignment aligned = align_to_photo(data.camera, data.color, data.mask, look);
-  const ImageScores scores = compare_images(look(aligned.camera).color, data.color, data.mask, {}, run.pool.get());
+  const ImageScores scores = compare_images(aligned.seen.color, data.color, data.mask, {}, run.pool.get());
   RefinedPoseMetrics refined;
   refined.psnr = scores.psnr;
   refined.ssim = scores.ssim;
@@ -113,7 +117,10 @@ void measure_views(LoadedRun& run, const EvalStageOptions& options, RunMetrics& 
       if (!data.labels.empty()) taught.add(truth, data.labels);
       judged |= !data.labels.empty();
     }
-    if (options.refine_test_poses) entry.pose_refined = measure_with_refined_pose(run, index, data, to_truth);
+    if (options.refine_test_poses) {
+      SceneLook seen{std::move(rendering.color), std::move(rendering.depth_plane)};
+      entry.pose_refined = measure_with_refined_pose(run, index, data, std::move(seen), to_truth);
+    }
     metrics.views.push_back(std::move(entry));
     progress.update(metrics.views.size());
   }

@@ -62,7 +62,10 @@ LoadedRun load_run(const fs::path& folder, const LoadRunOptions& options) {
   run.pool = std::make_unique<ThreadPool>(options.threads);
   const SemanticConfig& semantic = run.config().semantic;
   if (semantic.drawn_sharpness > 0 && semantic.blend == SemanticBlend::kProbabilities) {
-    sharpen_label_rows(run.model, robust_extent(run.scene()), semantic.drawn_sharpness, *run.pool);
+    if (options.soft && options.soft->size() == run.model.size())
+      sharpen_label_rows(run.model, *options.soft, semantic.drawn_sharpness, *run.pool);
+    else
+      sharpen_label_rows(run.model, robust_extent(run.scene()), semantic.drawn_sharpness, *run.pool);
   }
   if (options.shown_classes && semantic.blend == SemanticBlend::kProbabilities)
     run.classes = keep_shown_classes(run.model);

@@ -9,6 +9,8 @@
 
 #include "core/thread_pool.h"
 #include "engine/engine.h"
+#include "gaussians/soft_labels.h"
+#include "refine/plane_depth.h"
 #include "scene/scene.h"
 #include "train/config.h"
 #include "train/opened_run.h"
@@ -23,6 +25,8 @@ struct LoadRunOptions {
   std::vector<std::string> sets = {};  ///< settings of the stage itself, e.g. "mesh.voxel=0.01"
   /// Semantic columns of the classes that a picture can show, alone (gaussians/shown_classes.h): a tenth of the memory.
   bool shown_classes = false;
+  /// smoothed_labels() of the trained rows, for a caller that has them (TrainResult::soft); null: computed.
+  std::shared_ptr<const SoftLabels> soft = {};
 };
 
 struct LoadedRun {
@@ -33,6 +37,8 @@ struct LoadedRun {
   std::vector<Vec3f> log_gains;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
+  /// The training views at their working size, as the mesh stage rendered them for the room stage; may be empty.
+  std::vector<PlaneView> looks;
 
   const std::filesystem::path& folder() const { return opened->folder; }
   const TrainConfig& config() const { return opened->config; }

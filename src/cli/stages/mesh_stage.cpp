@@ -11,6 +11,7 @@
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
 #include "train/far_shell.h"
+#include "train/rendered_view.h"
 #include "train/training_set.h"
 
 namespace aligngs {
@@ -47,9 +48,7 @@ ImageF chosen_depth(const Rendering& rendering, const MeshConfig& mesh) {
                                                : rendering.depth_median;
 }
 
-FusionFrame rendered_frame(LoadedRun& run, const Camera& camera, const std::string& name,
-                           const RenderOptions& options) {
-  const Rendering rendering = run.engine->render(camera, options);
+FusionFrame frame_of(const LoadedRun& run, const Camera& camera, const std::string& name, const Rendering& rendering) {
   FusionFrame frame;
   frame.name = name;
   frame.camera = camera;
@@ -166,9 +165,10 @@ void add_interpolated(LoadedRun& run, std::vector<FusionFrame>& frames) {
   const size_t pairs = run.scene().train.size() - 1;
   for (size_t k = 0; k < wanted && k < pairs; ++k) {
     const size_t i = k * pairs / std::min(wanted, pairs);
-    frames.push_back(rendered_frame(
-        run, between(run.working_camera(run.scene().train[i]), run.working_camera(run.scene().train[i + 1])),
-        "between " + std::to_string(i), run.render_options()));
+    const Camera camera =
+        between(run.working_camera(run.scene().train[i]), run.working_camera(run.scene().train[i + 1]));
+    frames.push_back(
+        frame_of(run, camera, "between " + std::to_string(i), run.engine->render(camera, run.render_options())));
     frames.back().interpolated = true;
     frames.back().label = {};
   }
@@ -200,6 +200,7 @@ void improve_depth(LoadedRun& run, std::vector<FusionFrame>& frames) {
 MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
   HiddenPixels hidden;
+  run.looks.clear();
   const DepthPlacement placement =
       options.source == DepthSource::kPrior ? place_prior_depth(run.scene()) : DepthPlacement();
   for (const int view : run.scene().train) {
@@ -211,7 +212,10 @@ MeshStageResult mesh_run(LoadedRun& run, const MeshStageOptions& options) {
     // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
     RenderOptions render = run.render_options();
     render.raster.near_plane = run.near_planes()[frames.size()];
-    frames.push_back(rendered_frame(run, run.working_camera(view), run.scene().views[view].name, render));
+    const Camera camera = run.working_camera(view);
+    const Rendering rendering = run.engine->render(camera, render);
+    if (options.keep_looks) run.looks.push_back(plane_view_of(camera, rendering));
+    frames.push_back(frame_of(run, camera, run.scene().views[view].name, rendering));
     hide_pixels(run, view, frames.back(), hidden);
   }
   if (hidden.all > 0) {

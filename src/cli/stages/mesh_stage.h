@@ -29,6 +29,7 @@ struct MeshStageOptions {
   std::filesystem::path pictures;
   TsdfDeviceFactory make_device = {};
   bool may_be_empty = false;  ///< no surface is no error: nothing is written, and a mesh of an earlier time is removed
+  bool keep_looks = false;    ///< fills LoadedRun::looks from the rendered views: 10 bytes a pixel
 };
 
 struct MeshStageResult {

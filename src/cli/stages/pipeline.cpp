@@ -1,7 +1,9 @@
 #include "cli/stages/pipeline.h"
 
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "cli/print_json.h"
 #include "cli/report/html_report.h"
@@ -46,10 +48,13 @@ void stop_here_if_asked(const std::filesystem::path& run) {
 /// The steps after training, each by itself.
 class Products {
  public:
-  Products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device)
-      : options_(options),
+  /// `soft`: of what was trained just now, or null.
+  Products(const RunPlan& plan, const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
+           const TsdfDeviceFactory& make_tsdf_device)
+      : plan_(plan),
+        options_(options),
         make_tsdf_device_(make_tsdf_device),
-        run_(load_run(options.run, {options.scene, options.threads, options.make_engine})) {}
+        run_(load_run(options.run, load_options(options, std::move(soft)))) {}
 
   void render() {
     RenderStageOptions render;
@@ -62,6 +67,7 @@ class Products {
     MeshStageOptions mesh;
     mesh.make_device = make_tsdf_device_;
     mesh.may_be_empty = true;
+    mesh.keep_looks = plan_.has(RunStep::kRoom);
     if (mesh_run(run_, mesh).file.empty()) {
       warn(options_.run,
            "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at "
@@ -91,6 +97,13 @@ class Products {
   const RunMetrics& metrics() const { return metrics_; }
 
  private:
+  static LoadRunOptions load_options(const TrainOptions& options, std::shared_ptr<const SoftLabels> soft) {
+    LoadRunOptions load{options.scene, options.threads, options.make_engine};
+    load.soft = std::move(soft);
+    return load;
+  }
+
+  const RunPlan& plan_;
   const TrainOptions& options_;
   const TsdfDeviceFactory& make_tsdf_device_;
   LoadedRun run_;
@@ -109,10 +122,11 @@ constexpr Product kProducts[] = {{RunStep::kRender, "render", &Products::render}
                                  {RunStep::kRoom, "room", &Products::room}};
 
 /// Returns what was measured.
-RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
+RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
+                         const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
   enter_stage(options.run, kProducts[0].stage);  // opening a large run takes seconds
-  Products products(options, make_tsdf_device);
+  Products products(plan, options, std::move(soft), make_tsdf_device);
   for (const Product& product : kProducts) {
     if (!plan.has(product.step)) continue;
     enter_stage(options.run, product.stage);
@@ -129,11 +143,11 @@ RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, const
 
 RunMetrics run_pipeline(const RunPlan& plan, const TrainOptions& options, const CommandContext& context,
                         const TsdfDeviceFactory& make_tsdf_device) {
-  const TrainResult trained = train_run(options);
+  TrainResult trained = train_run(options);
   if (trained.already_finished) log_info("the training was finished already");
   RunMetrics metrics;
   try {
-    metrics = make_products(plan, options, make_tsdf_device);
+    metrics = make_products(plan, options, std::move(trained.soft), make_tsdf_device);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kInterrupted) throw;
     throw Error({ErrorKind::kInterrupted,

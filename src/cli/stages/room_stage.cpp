@@ -46,10 +46,9 @@ PlaneView look(LoadedRun& run, size_t trained) {
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(camera.width, camera.height));
   camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))),
                           std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
+  if (trained < run.looks.size() && shrink == 1) return run.looks[trained];
+  // As for the mesh, with the near plane of training.
   RenderOptions options = run.render_options();
-  options.geometry = true;
-  options.labels = run.has_labels();
-  // The near plane of training, as for the mesh.
   options.raster.near_plane = run.near_planes()[trained];
   return plane_view_of(camera, run.engine->render(camera, options));
 }

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "engine/cpu/lane_places.h"
 #include "engine/cpu/simd_targets.h"
 #include "engine/formulas/blending.h"
 
@@ -29,15 +30,31 @@ static_assert(kTileSize == 2 * kBlockSize);
 /// A list may be written a whole vector beyond its last entry.
 constexpr size_t kListLength = kGather + kLanes;
 
+/// Appends first + lane for every lane of `hit` to a list and returns how many. Writes a whole vector: a store of its
+/// first lanes alone takes many times as long on some processors.
+HWY_INLINE size_t append_lanes(uint32_t first, hn::Mask<FloatTag> hit, uint32_t* list) {
+  const FloatTag d;
+  const hn::RebindToUnsigned<FloatTag> du;
+#if HWY_TARGET == HWY_AVX2
+  // GCC copies the kilobyte of Highway's table to the stack at every call of Compress.
+  uint8_t bits[kByteBits];
+  hn::StoreMaskBits(d, hit, bits);
+  const hn::Rebind<uint8_t, FloatTag> bytes;
+  const auto lanes = hn::PromoteTo(du, hn::LoadU(bytes, kPlacesOfBits.data() + kByteBits * bits[0]));
+  hn::StoreU(hn::Add(lanes, hn::Set(du, first)), du, list);
+#else
+  hn::StoreU(hn::Compress(hn::Iota(du, first), hn::RebindMask(du, hit)), du, list);
+#endif
+  return hn::CountTrue(d, hit);
+}
+
 /// Appends the numbers of the Gaussians that each strip of `open` can reach; counts[strip] is the length of its list.
 void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, const bool* open, uint32_t* lists,
                  size_t* counts) {
   const FloatTag d;
-  const hn::RebindToUnsigned<FloatTag> du;
   for (size_t first = 0; first < count; first += kLanes) {
     const size_t n = HWY_MIN(kLanes, count - first);
     const OverlapLanes lanes = overlap_lanes(splats + first, n);
-    const auto indices = hn::Iota(du, static_cast<uint32_t>(first));
     const auto real = hn::FirstN(d, n);
     const BoxColumns columns[2] = {box_columns(lanes, tile_x, kBlockSize),
                                    box_columns(lanes, tile_x + kBlockSize, kBlockSize)};
@@ -46,10 +63,8 @@ void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, 
       for (int column = 0; column < 2; ++column) {
         const int strip = (row / kBlockStrips * 2 + column) * kBlockStrips + row % kBlockStrips;
         if (!open[strip]) continue;
-        const auto hit = hn::RebindMask(du, hn::And(real, reaches_box(lanes, columns[column], rows)));
-        // The whole vector: a store of its first lanes alone takes many times as long on some processors.
-        hn::StoreU(hn::Compress(indices, hit), du, lists + strip * kListLength + counts[strip]);
-        counts[strip] += hn::CountTrue(du, hit);
+        const auto hit = hn::And(real, reaches_box(lanes, columns[column], rows));
+        counts[strip] += append_lanes(static_cast<uint32_t>(first), hit, lists + strip * kListLength + counts[strip]);
       }
     }
   }

@@ -186,7 +186,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   const ViewTiles tiles{frame_.view, frame_.lists, request.raster};
   forward_pass(tiles, geometry ? BlendedMaps::kAll : BlendedMaps::kColor, *pool_, scratch_, frame_.maps,
                &frame_.record);
-  report.visible = mark_touched(frame_.lists, frame_.record, *pool_, gradients_);
+  report.visible = mark_touched(frame_.lists, frame_.record, *pool_, gradients_.touched);
   watch.lap("forward");
   if (semantics) {
     const bool renewed = rounded && prepare_rounded(request.losses.semantic_blend);

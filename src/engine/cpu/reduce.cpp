@@ -147,9 +147,9 @@ BadGradient first_bad_row(const ParameterGradients& g, size_t begin, size_t end)
 }  // namespace
 
 size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool,
-                    ParameterGradients& gradients) {
+                    std::vector<uint8_t>& touched) {
   const size_t n = lists.rank.size();
-  gradients.touched.resize(n);
+  touched.resize(n);
   std::vector<size_t> chunks((n + kReducedRowsPerTask - 1) / kReducedRowsPerTask, 0);
   pool.parallel_for(n, kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -157,7 +157,7 @@ size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPoo
       for (uint64_t slot = lists.slot_begin[i]; slot < lists.slot_begin[i + 1]; ++slot) {
         any |= record.seen[static_cast<size_t>(slot)];
       }
-      gradients.touched[i] = any;
+      touched[i] = any;
       chunks[begin / kReducedRowsPerTask] += any;
     }
   });

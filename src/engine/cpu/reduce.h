@@ -26,8 +26,8 @@ struct ParameterGradients {
   std::vector<uint8_t> touched;                                          ///< [N] 1: blended in at least one pixel
 };
 
-/// Fills gradients.touched from what the forward pass saw; returns the number of touched rows.
-size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool, ParameterGradients& gradients);
+/// Fills touched [N], as in ParameterGradients, from what the forward pass saw; returns the number of touched rows.
+size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool, std::vector<uint8_t>& touched);
 
 struct ReduceInputs {
   const GaussianModel& model;

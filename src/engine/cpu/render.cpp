@@ -41,7 +41,9 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
   const ProjectedView& view = frame_.view;
   const ViewTiles tiles{view, frame_.lists, options.raster};
   const BlendedMaps colored = options.geometry ? BlendedMaps::kAll : BlendedMaps::kColor;
-  forward_pass(tiles, options.median_only ? BlendedMaps::kMedian : colored, *pool_, scratch_, frame_.maps, nullptr);
+  const bool labels = options.labels && model_.semantic_channels > 0 && !options.median_only;
+  forward_pass(tiles, options.median_only ? BlendedMaps::kMedian : colored, *pool_, scratch_, frame_.maps,
+               labels ? &frame_.record : nullptr);
   const RenderMaps<float>& m = frame_.maps;
   const int w = m.width, h = m.height;
   const size_t n = m.pixels();
@@ -76,10 +78,12 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
       }
     }
   });
-  const int channels = model_.semantic_channels;
-  if (!options.labels || channels == 0) return r;
+  if (!labels) return r;
 
-  prepare_features(options.semantic_blend, nullptr);
+  std::vector<uint8_t> touched;  // the rest of the rows in view has no part in any pixel
+  mark_touched(frame_.lists, frame_.record, *pool_, touched);
+  prepare_features(options.semantic_blend, touched.data());
+  const int channels = model_.semantic_channels;
   r.label = Image<uint16_t>(w, h, 1, kNoLabel);
   r.label_probability = ImageF(w, h, 1);
   const size_t padded = padded_channels(channels);
@@ -88,8 +92,8 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
     TileScratch& s = scratch_[static_cast<size_t>(worker)];
     s.semantic.block.blended.resize(kBlockPixels * padded);
     for (size_t tile = begin; tile < end; ++tile) {
-      compute_tile_weights(view, frame_.lists, static_cast<int>(tile) % view.tiles_x,
-                           static_cast<int>(tile) / view.tiles_x, options.raster, s.weights);
+      recompute_tile_weights(view, frame_.lists, static_cast<int>(tile) % view.tiles_x,
+                             static_cast<int>(tile) / view.tiles_x, options.raster, frame_.record, s.weights);
       for (const BlockWeights& block : s.weights.blocks) {
         s.semantic.rows.resize(block.count);
         for (size_t e = 0; e < block.count; ++e) {

@@ -46,7 +46,7 @@ class TestView {
     cpu::build_tile_lists(view, pool, lists);
     scratch.resize(static_cast<size_t>(pool.size()));
     cpu::forward_pass({view, lists, raster}, cpu::BlendedMaps::kAll, pool, scratch, maps, &record);
-    visible = cpu::mark_touched(lists, record, pool, cpu_gradients);
+    visible = cpu::mark_touched(lists, record, pool, cpu_gradients.touched);
     upload_view(context);
     upload_record(context);
   }
