@@ -1,30 +1,33 @@
 #!/usr/bin/env bash
 # Tests that another build is for, and nothing else: each takes minutes.
-# Usage: scripts/other_builds.sh [PRESET...]     default: scalar-only tsan clang
+# Usage: scripts/other_builds.sh [BUILD...]     default: scalar-only tsan clang
 #   scalar-only  no vector instruction: the vectorised modules are right without them, as on a processor of another kind
-#   tsan         thread sanitizer: the pool, the engine and its engines' scratch memory, downloads
-#   clang        clang 14: a second reading of the sources by a compiler, and its order of floating-point operations
+#   tsan         thread sanitizer: the pool of threads, and the engine that runs on it
+#   clang        clang 14: another compiler's warnings, and its order of floating-point operations
+#   scalar-tsan  the first two at once, for .ci/run, which has little time
 set -euo pipefail
 cd "$(dirname "$0")/.."
-presets=("$@")
-[ ${#presets[@]} -gt 0 ] || presets=(scalar-only tsan clang)
-for preset in "${presets[@]}"; do
-  filter='*'
-  case "$preset" in
+builds=("$@")
+[ ${#builds[@]} -gt 0 ] || builds=(scalar-only tsan clang)
+# Derivatives by finite differences and measurements of the machine run on one thread.
+one_thread='Gradients/*:Losses/*:ShapeTerms*:Through*:InstructionLimit*:StepBenchmark*'
+for build in "${builds[@]}"; do
+  filter='*' preset=$build settings=()
+  case "$build" in
     scalar-only) programs=(core_tests engine_tests nn_tests) ;;
-    # Derivatives by finite differences and measurements of the machine run on one thread.
-    tsan) programs=(core_tests engine_tests); filter='-Gradients/*:Losses/*:ShapeTerms*:Through*:InstructionLimit*:StepBenchmark*' ;;
+    tsan) programs=(core_tests engine_tests); filter="-$one_thread" ;;
+    scalar-tsan) programs=(core_tests engine_tests); filter="-$one_thread"; preset=tsan; settings=(-DALIGNGS_SCALAR_ONLY=ON) ;;
     clang) programs=(core_tests engine_tests io_tests); scripts/setup.sh --clang ;;
-    -h|--help) sed -n '2,6p' "$0" | cut -c3-; exit 0 ;;
-    *) echo "other_builds.sh: unknown preset $preset" >&2; exit 2 ;;
+    -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;
+    *) echo "other_builds.sh: unknown build $build" >&2; exit 2 ;;
   esac
   begin=$SECONDS
   targets=()
   for program in "${programs[@]}"; do targets+=(--target "$program"); done
-  scripts/build.sh "build/$preset" "${targets[@]}" --preset "$preset" -DALIGNGS_BUILD_BENCHMARKS=OFF -DALIGNGS_UNITY_BUILD=ON \
+  scripts/build.sh "build/$build" "${targets[@]}" --preset "$preset" "${settings[@]}" -DALIGNGS_BUILD_BENCHMARKS=OFF -DALIGNGS_UNITY_BUILD=ON \
     -DALIGNGS_WITH_CUDA=OFF -DALIGNGS_BUILD_GPU_TESTS=OFF
   for program in "${programs[@]}"; do
-    "build/$preset/tests/$program" --gtest_brief=1 --gtest_filter="$filter"
+    "build/$build/tests/$program" --gtest_brief=1 --gtest_filter="$filter"
   done
-  echo "other_builds: $preset $((SECONDS - begin)) s"
+  echo "other_builds: $build $((SECONDS - begin)) s"
 done

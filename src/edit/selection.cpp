@@ -235,8 +235,13 @@ GaussianSelection select_gaussians(const LabelledGaussians& room, const Selectio
   selection.mask.assign(room.model.size(), query.everything ? 1 : 0);
   mark(room, query.include, rule, options, 1, selection);
   mark(room, query.exclude, rule, options, 0, selection);
-  if (std::find(selection.mask.begin(), selection.mask.end(), uint8_t(1)) != selection.mask.end()) {
+  const auto is_empty = [&] {
+    return std::find(selection.mask.begin(), selection.mask.end(), uint8_t(1)) == selection.mask.end();
+  };
+  if (!is_empty()) {
+    const std::vector<uint8_t> named = selection.mask;
     clean(room, options, pool, selection.mask);
+    if (is_empty()) selection.mask = named;  // of a few Gaussians among others: whoever names a speck means it
   }
   add_drawn(room, query, rule, options, selection);
   std::map<std::pair<int, int>, size_t> counts;

@@ -75,6 +75,15 @@ TEST_F(SelectionTest, ALoneSpeckOfAnotherClassIsCleanedAway) {
   EXPECT_FALSE(s.mask[middle]);
 }
 
+TEST_F(SelectionTest, ASpeckIsSelectedByItsOwnName) {
+  const size_t middle = room_.gaussians.model.size() - 1;  // of the floor
+  room_.gaussians.labels.label[middle] = small_room::kPillow;
+  room_.gaussians.labels.instance[middle] = 3;
+  const GaussianSelection s = select("pillow#3");
+  EXPECT_EQ(s.count, 1u);
+  EXPECT_TRUE(s.mask[middle]);
+}
+
 TEST_F(SelectionTest, ThresholdsSelectByProbability) {
   const size_t argmax = select("pillow").count;
   EXPECT_NEAR(static_cast<double>(select("pillow", "auto").count), static_cast<double>(argmax), 10);
