@@ -35,6 +35,7 @@ WITH = {
     "coupling": COUPLING, "creases": ["loss.crease=0.02"], "multi-view terms": MULTI_VIEW, "MCMC growth": ["densify.strategy=mcmc"],
     "closed room": ["train.closed_room=true"], "stronger opacity dropout": ["train.opacity_dropout=0.4"],
     "opacity dropout of 0.2": ["train.opacity_dropout=0.2"], "shorter opacity dropout": ["train.opacity_dropout_stop=5600"],
+    "no flattening": ["loss.flatten=0"], "weaker flattening": ["loss.flatten=1"], "stronger flattening": ["loss.flatten=10"],
     "stronger normal consistency": ["loss.normal_consistency=0.05"],
     "Pearson in place of log depth": ["loss.log_depth=0"],
     "weaker log depth": ["loss.log_depth=0.1", "loss.log_depth_end=0.004"],

@@ -243,9 +243,9 @@ StepReport CpuEngine::step(const StepRequest& request) {
   last_probabilities_ = probabilities;
 
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
-  const ReduceInputs reduce{model_, frame_.view, frame_.lists,   frame_.record,
-                            slots_, request,     report.visible, static_cast<float>(report.coupling_scale)};
-  ReduceTotals totals;
+  const ParameterGradientInputs reduce{model_, frame_.view, frame_.lists,   frame_.record,
+                                       slots_, request,     report.visible, static_cast<float>(report.coupling_scale)};
+  ParameterGradientTotals totals;
   const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, totals, gradients_);
   watch.lap("reduce");
   if (const char* term = non_finite_loss(report.losses)) {

@@ -7,7 +7,7 @@
 
 #include "core/thread_pool.h"
 #include "engine/cpu/optimiser.h"
-#include "engine/cpu/reduce.h"
+#include "engine/cpu/parameter_gradients.h"
 #include "engine/engine.h"
 #include "engine/formulas/semantic_loss.h"
 #include "engine/losses/map_losses.h"

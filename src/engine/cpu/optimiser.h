@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/thread_pool.h"
-#include "engine/cpu/reduce.h"
+#include "engine/cpu/parameter_gradients.h"
 #include "engine/engine_arrays.h"
 #include "engine/settings.h"
 #include "gaussians/gaussian_model.h"

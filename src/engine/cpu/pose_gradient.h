@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/thread_pool.h"
-#include "engine/cpu/reduce.h"
+#include "engine/cpu/parameter_gradients.h"
 #include "engine/formulas/pose_gradient.h"
 
 namespace aligngs::cpu {

@@ -99,8 +99,8 @@ class CudaParameterGradients : public DeviceTest {
   }
 
   cpu::BadGradient run_cpu(float coupling_scale) {
-    const cpu::ReduceInputs in{model, view->view, view->lists,   view->record,
-                               slots, request,    view->visible, coupling_scale};
+    const cpu::ParameterGradientInputs in{model, view->view, view->lists,   view->record,
+                                          slots, request,    view->visible, coupling_scale};
     return cpu::parameter_gradients(in, view->pool, terms, totals, view->cpu_gradients);
   }
 
@@ -150,7 +150,7 @@ class CudaParameterGradients : public DeviceTest {
   cpu::SlotGradients slots;
   std::vector<uint8_t> coupling_seen, touched;
   LossTerms terms;
-  cpu::ReduceTotals totals;
+  cpu::ParameterGradientTotals totals;
   std::vector<float> positions, log_scales, rotations, opacity_logits, sh;
   std::vector<DensitySums> density;
   std::vector<double> squares;

@@ -1,9 +1,35 @@
+// Kernels of pose_gradient.h.
 #include "engine/cuda/pose_gradient.h"
 
+#include "device/constants.h"
 #include "device/launch.h"
-#include "engine/cuda/pose_gradient.cuh"
+#include "engine/cuda/partial_sums.cuh"
 
 namespace aligngs::cuda {
+
+inline constexpr int kPoseSums = 6;
+
+__global__ void __launch_bounds__(kGradientThreads)
+    pose_gradient_kernel(PoseGradientInputs in, DeviceSpan<double> partial) {
+  const size_t i = item_index();
+  double sums[kPoseSums] = {};
+  if (i < in.model.gaussians && in.touched[i] != 0) {
+    const PoseGradient<float> share =
+        row_pose_gradient(in.camera, pose_row<float>(in.model, in.gradients, i), in.sh_degree);
+    for (int k = 0; k < 3; ++k) sums[k] = share.rotation[k];
+    for (int k = 0; k < 3; ++k) sums[3 + k] = share.translation[k];
+  }
+  store_partial_sums(sums, partial);
+}
+
+__global__ void __launch_bounds__(kSumThreads)
+    finish_pose_gradient_kernel(DeviceSpan<const double> partial, DeviceSpan<PoseGradient<double>> out) {
+  double sums[kPoseSums];
+  load_partial_sums(partial, sums);
+  if (threadIdx.x != 0) return;
+  out[0].rotation = {sums[0], sums[1], sums[2]};
+  out[0].translation = {sums[3], sums[4], sums[5]};
+}
 
 void pose_gradient(DeviceArena& arena, const PoseGradientInputs& in, DeviceSpan<PoseGradient<double>> out) {
   const LaunchShape shape = one_per_item(in.model.gaussians, kGradientThreads);

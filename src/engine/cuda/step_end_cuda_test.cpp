@@ -42,14 +42,14 @@ class CudaStepEnd : public DeviceTest {
     if (slots.size() > 0) std::memset(static_cast<void*>(slots.data()), 0, slots.size() * sizeof(slots[0]));
   }
 
-  cpu::ReduceInputs cpu_inputs() const {
+  cpu::ParameterGradientInputs cpu_inputs() const {
     return {model, view->view, view->lists, view->record, slots, request, view->visible, 0.0f};
   }
 
   /// Slots are zero on the CPU, so its gradients are those of the shape terms.
   void compare_shape_terms() {
     LossTerms want;
-    cpu::ReduceTotals totals;
+    cpu::ParameterGradientTotals totals;
     cpu::parameter_gradients(cpu_inputs(), view->pool, want, totals, view->cpu_gradients);
 
     GaussianModel zero = model;

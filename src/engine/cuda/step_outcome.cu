@@ -1,14 +1,37 @@
+// Kernel of step_outcome.h.
 #include "engine/cuda/step_outcome.h"
 
 #include <cmath>
 #include <iterator>
 
+#include "device/device_language.h"
 #include "device/launch.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/step_outcome.cuh"
 #include "engine/engine_arrays.h"
 
 namespace aligngs::cuda {
+
+__global__ void judge_step_kernel(StepOutcomeInputs in, DeviceSpan<StepOutcome> out) {
+  if (threadIdx.x != 0) return;
+  StepOutcome o{};
+  o.terms = in.terms[0];
+  if (!in.semantic_terms.empty()) {
+    o.terms.add(Loss::kSemanticSoft, in.soft_weight, in.semantic_terms[0]);
+    o.terms.add(Loss::kSemanticHard, in.hard_weight, in.semantic_terms[1]);
+  }
+  o.squares[0] = in.squares[0];
+  o.squares[1] = in.squares[1];
+  o.bad = in.bad[0];
+  if (!in.neighbour_bad.empty() && in.neighbour_bad[0] < o.bad) o.bad = in.neighbour_bad[0];
+  o.visible = in.visible[0];
+  // Without its factor a loss of weight 0 would not show in the total, but such a term is not computed. The sum of what
+  // is finite can still overflow, so the total is looked at as well.
+  double all = 0;
+  for (size_t k = 0; k < kLosses; ++k) all += o.terms.values.values[k];
+  const bool finite = all - all == 0 && o.terms.total - o.terms.total == 0;
+  o.blocked = o.bad != kNoBadGradient || !finite ? 1 : 0;
+  out[0] = o;
+}
 namespace {
 
 constexpr const char* kClassNames[] = {"positions", "log_scales", "rotations", "opacity_logits", "sh", "semantics"};

@@ -76,7 +76,7 @@ void CpuStep::run_backward() {
   }
 }
 
-cpu::ReduceInputs CpuStep::reduce_inputs(const StepRequest& request) const {
+cpu::ParameterGradientInputs CpuStep::reduce_inputs(const StepRequest& request) const {
   return {scene.model, view.view, view.lists,   view.record,
           slots,       request,   view.visible, semantics() ? coupling_scale : 0.0f};
 }
@@ -85,7 +85,7 @@ void CpuStep::run_reduction() {
   StepRequest plain = scene.request;
   plain.losses.weight[Loss::kFlatten] = plain.losses.weight[Loss::kOpacityL1] = plain.losses.weight[Loss::kScaleL1] = 0;
   LossTerms none;
-  cpu::ReduceTotals same;
+  cpu::ParameterGradientTotals same;
   parameters.touched = with_shape.touched = view.cpu_gradients.touched;
   cpu::parameter_gradients(reduce_inputs(plain), view.pool, none, totals, parameters);
   cpu::parameter_gradients(reduce_inputs(scene.request), view.pool, shape_terms, same, with_shape);

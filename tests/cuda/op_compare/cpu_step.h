@@ -41,14 +41,14 @@ struct CpuStep {
 
   cpu::SlotGradients slots;     ///< of the maps and of the coupling
   float coupling_scale = 0.5f;  ///< factor of the coupling, any
-  cpu::ReduceTotals totals;
+  cpu::ParameterGradientTotals totals;
   cpu::ParameterGradients parameters;  ///< without the shape terms
   LossTerms shape_terms;
   cpu::ParameterGradients with_shape;  ///< with them
   DensityStatistics statistics;
 
   bool semantics() const { return channels > 0; }
-  cpu::ReduceInputs reduce_inputs(const StepRequest& request) const;
+  cpu::ParameterGradientInputs reduce_inputs(const StepRequest& request) const;
 
  private:
   void run_losses();

@@ -7,8 +7,8 @@
 
 #include "core/thread_pool.h"
 #include "device/testing/device.h"
+#include "engine/cpu/parameter_gradients.h"
 #include "engine/cpu/project.h"
-#include "engine/cpu/reduce.h"
 #include "engine/cpu/tile_passes.h"
 #include "engine/cuda/model_spans.h"
 #include "engine/cuda/view_spans.h"

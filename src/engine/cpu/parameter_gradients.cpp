@@ -1,4 +1,4 @@
-#include "engine/cpu/reduce.h"
+#include "engine/cpu/parameter_gradients.h"
 
 #include <cmath>
 #include <cstring>
@@ -37,7 +37,7 @@ struct ShapeValues {
   AlignedArray<float> opacities;  ///< [rows]
 };
 
-void shape_values(const ReduceInputs& in, size_t begin, size_t end, ShapeValues& out) {
+void shape_values(const ParameterGradientInputs& in, size_t begin, size_t end, ShapeValues& out) {
   const LossSettings& set = in.request.losses;
   const size_t n = end - begin;
   out.first = begin;
@@ -52,8 +52,8 @@ void shape_values(const ReduceInputs& in, size_t begin, size_t end, ShapeValues&
 }
 
 /// Adds the shape terms of row i (formulas/shape_terms.h) to its gradient and their values to `sums`.
-void add_shape_terms(const ReduceInputs& in, const ShapeValues& values, size_t i, bool touched, RowGradient& g,
-                     ChunkSums& sums) {
+void add_shape_terms(const ParameterGradientInputs& in, const ShapeValues& values, size_t i, bool touched,
+                     RowGradient& g, ChunkSums& sums) {
   const LossSettings& set = in.request.losses;
   const float inverse_extent = 1.0f / in.request.extent, rows = static_cast<float>(in.model.size());
   const float* s = values.scales.empty() ? nullptr : values.scales.data() + 3 * (i - values.first);
@@ -164,8 +164,8 @@ size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPoo
   return std::accumulate(chunks.begin(), chunks.end(), size_t(0));
 }
 
-BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms, ReduceTotals& totals,
-                                ParameterGradients& gradients) {
+BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& pool, LossTerms& terms,
+                                ParameterGradientTotals& totals, ParameterGradients& gradients) {
   const size_t n = in.model.size();
   gradients.positions.resize(3 * n);
   gradients.log_scales.resize(3 * n);
@@ -234,7 +234,7 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   return {};
 }
 
-void add_density_statistics(const ReduceInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
+void add_density_statistics(const ParameterGradientInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
                             DensityStatistics& statistics) {
   const float to_ndc_x = 0.5f * in.view.width, to_ndc_y = 0.5f * in.view.height;
   pool.parallel_for(in.model.size(), kReducedRowsPerTask, [&](size_t begin, size_t end, int) {

@@ -29,7 +29,7 @@ struct ParameterGradients {
 /// Fills touched [N], as in ParameterGradients, from what the forward pass saw; returns the number of touched rows.
 size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool, std::vector<uint8_t>& touched);
 
-struct ReduceInputs {
+struct ParameterGradientInputs {
   const GaussianModel& model;
   const ProjectedView& view;
   const TileLists& lists;
@@ -41,7 +41,7 @@ struct ReduceInputs {
 };
 
 /// Root mean squares over touched rows.
-struct ReduceTotals {
+struct ParameterGradientTotals {
   double photometric_rms = 0;  ///< of d colour losses / d mean2D, pixels^-1
   double coupling_rms = 0;     ///< the same of the semantic coupling before its factor
 };
@@ -54,12 +54,12 @@ struct BadGradient {
 
 /// Adds up the slots of each touched row and writes the parameters' gradients, the shape terms included
 /// (formulas/shape_terms.h). Adds the values of these terms to `terms` and returns the first row with a gradient beyond
-/// kGradientLimit of adam.h.
-BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms, ReduceTotals& totals,
-                                ParameterGradients& gradients);
+/// kGradientLimit.
+BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& pool, LossTerms& terms,
+                                ParameterGradientTotals& totals, ParameterGradients& gradients);
 
 /// Adds this view's share to the statistics of density control.
-void add_density_statistics(const ReduceInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
+void add_density_statistics(const ParameterGradientInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
                             DensityStatistics& statistics);
 
 }  // namespace aligngs::cpu
