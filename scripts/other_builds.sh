@@ -9,14 +9,15 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 builds=("$@")
 [ ${#builds[@]} -gt 0 ] || builds=(scalar-only tsan clang)
-# Derivatives by finite differences and measurements of the machine run on one thread.
-one_thread='Gradients/*:Losses/*:ShapeTerms*:Through*:InstructionLimit*:StepBenchmark*'
+# Derivatives by finite differences and measurements of the machine run on one thread. The others do what shorter ones do.
+one_thread='Gradients/*:Losses/*:ShapeTerms*:Through*:InstructionLimit*:StepBenchmark*:BenchmarkRoom*'
+long='*.TrainingAgreesWithAllClasses:*.LossFallsOverSomeSteps:*.WindowOfTheBenchmarkRoom/*:*.TenThousand*'
 for build in "${builds[@]}"; do
   filter='*' preset=$build settings=()
   case "$build" in
     scalar-only) programs=(core_tests engine_tests nn_tests) ;;
-    tsan) programs=(core_tests engine_tests); filter="-$one_thread" ;;
-    scalar-tsan) programs=(core_tests engine_tests); filter="-$one_thread"; preset=tsan; settings=(-DALIGNGS_SCALAR_ONLY=ON) ;;
+    tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long" ;;
+    scalar-tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long"; preset=tsan; settings=(-DALIGNGS_SCALAR_ONLY=ON) ;;
     clang) programs=(core_tests engine_tests io_tests); scripts/setup.sh --clang ;;
     -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;
     *) echo "other_builds.sh: unknown build $build" >&2; exit 2 ;;

@@ -22,10 +22,10 @@ namespace {
 
 /// Exponents as Fortran writes them: 1.5D-03 is 1.5e-03.
 std::string with_plain_exponents(std::string text) {
-  const auto digit = [&](size_t i) { return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])); };
+  const auto is_digit = [&](size_t i) { return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])); };
   for (size_t i = 1; i + 1 < text.size(); ++i) {
     const bool sign = text[i + 1] == '+' || text[i + 1] == '-';
-    if ((text[i] == 'D' || text[i] == 'd') && (digit(i - 1) || text[i - 1] == '.') && digit(i + 1 + sign))
+    if ((text[i] == 'D' || text[i] == 'd') && (is_digit(i - 1) || text[i - 1] == '.') && is_digit(i + 1 + sign))
       text[i] = 'e';
   }
   return text;

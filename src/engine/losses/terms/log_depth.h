@@ -53,7 +53,8 @@ struct LogDepthTerm {
   ALIGNGS_HD ALIGNGS_ALWAYS_INLINE T weight(const TermPixel<T>& p) const {
     const bool known = (p.prior_depth > 0) & (p.prior_depth < 1e30f) & (scale > T(0));  // as usable_prior_depth
     const bool counts = (p.confidence > 0) & (p.confidence <= 1);
-    return (p.validity == kDepthTight) & known & counts ? static_cast<T>(p.confidence) : T(0);
+    const bool used = (p.validity == kDepthTight) & known & counts;
+    return used ? static_cast<T>(p.confidence) : T(0);
   }
   ALIGNGS_HD ALIGNGS_ALWAYS_INLINE TermValue<T> at(const TermPixel<T>& p, T weight, T step) const {
     const T inverse_delta = T(1) / delta;

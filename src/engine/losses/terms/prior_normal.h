@@ -18,7 +18,8 @@ struct PriorNormalTerm {
     const Vec3<float>& n = p.prior_normal;
     const float square = n.x * n.x + n.y * n.y + n.z * n.z;
     const bool unit = (square > 0.9f) & (square < 1.1f), trusted = (p.confidence > 0) & (p.confidence <= 1);
-    return unit & trusted & (p.inverse_length > T(0)) ? static_cast<T>(p.confidence) : T(0);
+    const bool used = unit & trusted & (p.inverse_length > T(0));
+    return used ? static_cast<T>(p.confidence) : T(0);
   }
   ALIGNGS_HD ALIGNGS_ALWAYS_INLINE TermValue<T> at(const TermPixel<T>& p, T weight, T step) const {
     const bool used = weight > T(0);
