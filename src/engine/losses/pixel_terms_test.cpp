@@ -31,7 +31,8 @@ struct BehindPriorTerm {
 
   ALIGNGS_HD ALIGNGS_ALWAYS_INLINE T weight(const TermPixel<T>& p) const {
     const bool behind = (p.validity == kDepthTight) & (p.prior_depth > 0) & (p.depth > static_cast<T>(p.prior_depth));
-    return behind & (p.confidence > 0) & (p.confidence <= 1) ? static_cast<T>(p.confidence) : T(0);
+    const bool used = behind & (p.confidence > 0) & (p.confidence <= 1);
+    return used ? static_cast<T>(p.confidence) : T(0);
   }
   ALIGNGS_HD ALIGNGS_ALWAYS_INLINE TermValue<T> at(const TermPixel<T>& p, T weight, T step) const {
     const T behind = weight > T(0) ? p.depth - static_cast<T>(p.prior_depth) : T(0);

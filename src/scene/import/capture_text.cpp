@@ -37,9 +37,9 @@ std::vector<double> read_numbers(const fs::path& file) {
   constexpr uint64_t kLimit = uint64_t(1) << 28;  // bytes; a trajectory of a million poses is smaller
   if (has_extension(file, {".npy"})) {
     const FloatArray array = read_npy(file);
-    constexpr float kLargest = 1e4f;  // above, 32 bits keep less than a millimetre of metres
+    constexpr float kLargestOfArray = 1e4f;  // above, 32 bits keep less than a millimetre of metres
     for (const float value : array.data) {
-      if (std::fabs(value) > kLargest && std::isfinite(value))
+      if (std::fabs(value) > kLargestOfArray && std::isfinite(value))
         throw_bad_input(file, "values", "numbers of an array keep seven digits here, too few for such coordinates",
                         "write the matrix as text");
     }
