@@ -10,6 +10,7 @@ edited rooms are not. Writes removals.csv, removals.md and, with ffmpeg, sheet.p
 view that shows most of the object. ALIGNGS names the program (default build/aligngs)."""
 import argparse
 import csv
+import functools
 import json
 import math
 import os
@@ -74,6 +75,7 @@ def pixels_of(mask):
     return sum(value > 0 for value in shown.stdout)
 
 
+@functools.cache
 def best_view(truth):
     """File name of the test view that shows most of the object."""
     return max(sorted((truth / "mask").iterdir()), key=pixels_of).name

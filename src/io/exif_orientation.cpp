@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 namespace aligngs {
 
@@ -48,14 +49,17 @@ bool set_exif_upright(std::string& bytes, size_t begin, size_t size) {
   return false;
 }
 
-Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation) {
+namespace {
+
+template <class T>
+Image<T> turned_upright(Image<T> stored, int orientation) {
   if (orientation <= 1 || orientation > 8) return stored;
   const bool swap = orientation_swaps_sides(orientation);
   const int width = swap ? stored.height : stored.width, height = swap ? stored.width : stored.height;
   // Mirrored axes of the stored picture, along its own axes, after the exchange of axes is undone.
   const bool flip_x = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   const bool flip_y = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
-  Image<uint8_t> upright(width, height, stored.channels);
+  Image<T> upright(width, height, stored.channels);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       int sx = swap ? y : x, sy = swap ? x : y;
@@ -66,5 +70,13 @@ Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation) {
   }
   return upright;
 }
+
+}  // namespace
+
+Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation) {
+  return turned_upright(std::move(stored), orientation);
+}
+
+ImageF apply_orientation(ImageF stored, int orientation) { return turned_upright(std::move(stored), orientation); }
 
 }  // namespace aligngs

@@ -21,7 +21,8 @@ bool set_exif_upright(std::string& bytes, size_t begin, size_t size);
 /// Whether upright width and height are the stored height and width.
 inline bool orientation_swaps_sides(int orientation) { return orientation >= 5; }
 
-/// The upright picture of a stored one.
+/// The upright picture of a stored one, or a map of it.
 Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation);
+ImageF apply_orientation(ImageF stored, int orientation);
 
 }  // namespace aligngs

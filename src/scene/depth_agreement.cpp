@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/median.h"
+#include "io/exif_orientation.h"
 
 namespace aligngs {
 namespace {
@@ -87,12 +88,10 @@ std::vector<Rigidd> reread(Misreading reading, const Rigidd& world_to_camera) {
 
 /// The map if it was read wrongly in this way.
 ImageF reread(Misreading reading, const Camera& camera, const ImageF& depth) {
+  if (reading == Misreading::kUpsideDown) return apply_orientation(depth, 4);  // the first row is the bottom
   ImageF out = depth;
   for (int y = 0; y < depth.height; ++y) {
-    for (int x = 0; x < depth.width; ++x)
-      out.at(x, y) = reading == Misreading::kUpsideDown
-                         ? depth.at(x, depth.height - 1 - y)
-                         : depth.at(x, y) / static_cast<float>(norm(camera.ray(x + 0.5, y + 0.5)));
+    for (int x = 0; x < depth.width; ++x) out.at(x, y) /= static_cast<float>(norm(camera.ray(x + 0.5, y + 0.5)));
   }
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/is_depth.h"
+#include "io/exif_orientation.h"
 #include "scene/depth_contradiction.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_check.h"
@@ -41,18 +42,13 @@ std::optional<std::string> turned_map(const PointCloud& cloud, const Camera& cam
   if (disparity_evidence(cloud, camera, prior_depth).rank_correlation < -kFits) return {};
   struct Way {
     const char* name;
-    bool columns, rows;
+    int orientation;  // as EXIF counts
   };
   std::optional<std::string> found;
   double best = kFits;
-  for (const Way& way :
-       {Way{"upside down", false, true}, Way{"mirrored", true, false}, Way{"turned by 180 degrees", true, true}}) {
-    ImageF turned = prior_depth;
-    for (int y = 0; y < turned.height; ++y) {
-      for (int x = 0; x < turned.width; ++x)
-        turned.at(x, y) = prior_depth.at(way.columns ? turned.width - 1 - x : x, way.rows ? turned.height - 1 - y : y);
-    }
-    const DisparityEvidence evidence = disparity_evidence(cloud, camera, turned);
+  for (const Way& way : {Way{"upside down", 4}, Way{"mirrored", 2}, Way{"turned by 180 degrees", 3}}) {
+    const DisparityEvidence evidence =
+        disparity_evidence(cloud, camera, apply_orientation(prior_depth, way.orientation));
     if (!evidence.is_enough() || evidence.rank_correlation <= best) continue;
     best = evidence.rank_correlation;
     found = way.name;
