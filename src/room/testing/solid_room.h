@@ -73,7 +73,7 @@ inline std::vector<PlaneView> look_around(const Solids& solids, const std::vecto
 inline std::vector<MeasuredView> measured(const std::vector<PlaneView>& views) {
   std::vector<MeasuredView> out;
   for (const PlaneView& view : views)
-    out.push_back({view.camera, view.depth, ImageF(view.depth.width, view.depth.height, 1, 1.0f)});
+    out.push_back({view.camera, view.depth, ImageF(view.depth.width, view.depth.height, 1, 1.0f), {}});
   return out;
 }
 
