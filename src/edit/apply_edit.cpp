@@ -111,6 +111,12 @@ std::string name_of(const EditableRoom& room, const EditableRoom& piece) {
   return largest != objects.end() ? object_name(*largest, room.labels) : "the object";
 }
 
+void warn_of_place(const EditableRoom& room, const std::vector<uint8_t>& mask, const Placement& placement,
+                   EditReport& report) {
+  if (const std::string out = out_of_room(room, mask, placement); !out.empty()) report.warnings.push_back(out);
+  append(report.warnings, placement_warnings(room, mask, placement));
+}
+
 void move_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
                   const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
   EditableRoom piece = piece_of(room, mask, vertices);
@@ -119,11 +125,10 @@ void move_objects(EditableRoom& room, const EditOperation& edit, const std::vect
   // A turned copy steps aside, too.
   if (edit.kind == EditKind::kDuplicate && motion.stays_in_place()) motion.shift.x = step_aside(room, mask);
   const Similarity to = motion_in_world(room, mask, motion);
-  if (const std::string out = out_of_room(room, mask, to); !out.empty()) report.warnings.push_back(out);
   if (edit.kind == EditKind::kDuplicate) number_anew(piece, room);
   Placement placement{name_of(room, piece), solid_places(room.gaussians.model, mask), {}, edit.kind != EditKind::kMove};
   for (const Vec3d& place : placement.before) placement.after.push_back(to * place);
-  append(report.warnings, placement_warnings(room, mask, placement));
+  warn_of_place(room, mask, placement, report);
   if (edit.kind == EditKind::kMove) remove_objects(room, edit, mask, vertices, report, pool);
   add_piece(room, moved(piece, to));
 }
@@ -137,7 +142,7 @@ void replace_objects(EditableRoom& room, const EditOperation& edit, const std::v
   Placement placement{name_of(room, piece), solid_places(room.gaussians.model, mask),
                       solid_places(model, std::vector<uint8_t>(model.size(), 1)), false};
   for (Vec3d& place : placement.after) place = to * place;
-  append(report.warnings, placement_warnings(room, mask, placement));
+  warn_of_place(room, mask, placement, report);
   remove_objects(room, edit, mask, vertices, report, pool);
   add_piece(room, moved(piece, to));
   const GaussianLabels& labels = piece.gaussians.labels;

@@ -9,8 +9,6 @@
 #include "core/quantile.h"
 #include "edit/fill/carrying_classes.h"
 #include "edit/fill/room_planes.h"
-#include "edit/row_flags.h"
-#include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
@@ -74,17 +72,11 @@ class Shell {
 
 }  // namespace
 
-std::string out_of_room(const EditableRoom& room, const std::vector<uint8_t>& selected, const Similarity& motion) {
+std::string out_of_room(const EditableRoom& room, const std::vector<uint8_t>& selected, const Placement& placement) {
+  if (placement.before.empty() || placement.after.empty()) return "";
   const Shell shell(room, selected);
   if (!shell.is_known()) return "";
-  std::vector<Vec3d> before, after;
-  for (size_t i = 0; i < selected.size(); ++i) {
-    if (!selected[i] || opacity_of(room.gaussians.model, i) < kSolidOpacity) continue;
-    before.push_back(position_of(room.gaussians.model, i));
-    after.push_back(motion * before.back());
-  }
-  if (before.empty()) return "";
-  const Depths was = shell.depths(before), is = shell.depths(after);
+  const Depths was = shell.depths(placement.before), is = shell.depths(placement.after);
   size_t worst = kBeyondPlaces;
   double most = kBeyond * room.gaussians.extent;
   for (size_t k = 0; k < kBeyondPlaces; ++k) {
@@ -97,7 +89,7 @@ std::string out_of_room(const EditableRoom& room, const std::vector<uint8_t>& se
   constexpr const char* kWords[] = {"into a wall", "below the floor", "above the ceiling", "out of the room"};
   const std::string length =
       room.metric ? fmt::format("{:.0f} cm", 100 * is[worst]) : fmt::format("{:.2g} scene units", is[worst]);
-  return fmt::format("the object reaches {} {}", length, kWords[worst]);
+  return fmt::format("{} reaches {} {}", placement.name, length, kWords[worst]);
 }
 
 }  // namespace aligngs

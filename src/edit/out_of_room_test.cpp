@@ -8,6 +8,7 @@ namespace aligngs {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 /// The small room: a floor of 2.4 m by 1.6 m without walls.
 class OutOfRoom : public testing::Test {
@@ -17,9 +18,9 @@ class OutOfRoom : public testing::Test {
     for (const uint16_t l : room_.gaussians.labels.label) box_.push_back(l == small_room::kBox);
   }
   std::string after(const Vec3d& shift) {
-    Similarity motion;
-    motion.translation = shift;
-    return out_of_room(room_, box_, motion);
+    Placement placement{"box#1", solid_places(room_.gaussians.model, box_), {}};
+    for (const Vec3d& place : placement.before) placement.after.push_back(place + shift);
+    return out_of_room(room_, box_, placement);
   }
   ThreadPool pool_{2};
   EditableRoom room_;
@@ -32,6 +33,12 @@ TEST_F(OutOfRoom, AMotionInsideSaysNothing) {
 }
 
 TEST_F(OutOfRoom, BelowTheFloor) { EXPECT_THAT(after({0, 0.3, 0}), HasSubstr("below the floor")); }
+
+TEST_F(OutOfRoom, AnObjectInThePlaceOfAnotherMayBeTooLarge) {
+  Placement placement{"sofa#1", solid_places(room_.gaussians.model, box_), {}};
+  for (int k = 0; k < 100; ++k) placement.after.push_back({0.05 * k, -0.2, 0});
+  EXPECT_THAT(out_of_room(room_, box_, placement), StartsWith("sofa#1 reaches "));
+}
 
 TEST_F(OutOfRoom, BesideTheRoom) { EXPECT_THAT(after({3, 0, 0}), HasSubstr("out of the room")); }
 

@@ -15,6 +15,9 @@ namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 /// A block of 0.2 x 0.3 x 0.4 m as a file of splats: x to the right, z up, its front to -y.
 GaussianModel block() {
@@ -118,6 +121,14 @@ TEST_F(ReplaceObject, HarmonicsBeyondTheRoomsDegreeAreGone) {
   const GaussianModel model = labelled_for(room_, selected, object).gaussians.model;
   EXPECT_EQ(model.sh[3 * 3], 1) << "of degree 1";
   EXPECT_EQ(model.sh[3 * 4], 0) << "of degree 2";
+}
+
+TEST_F(ReplaceObject, OneThatIsTooLargeForTheRoomGetsAWarning) {
+  EXPECT_THAT(apply_edit(room_, replacement(), pool_).warnings, IsEmpty());
+  GaussianModel large = block();
+  for (float& v : large.positions) v *= 12;
+  write_gaussian_ply(file_, large);
+  EXPECT_THAT(apply_edit(room_, replacement(), pool_).warnings, Contains(HasSubstr(" out of the room")));
 }
 
 TEST_F(ReplaceObject, TheFileOfTheEditHasTheObject) {

@@ -122,6 +122,19 @@ await withBrowser(async (browser) => {
   check(difference(start, await picture()) < 1 && (await splats()) === before, '"undo everything" brings the room back');
   check(!existsSync(join(run, 'edits')), 'and leaves no files of edits');
 
+  // An object that leaves the room is named before and after.
+  const warned = new RegExp(`warning: ${thing}.* reaches .* (into a wall|out of the room)`);
+  await page.locator('#edit-text').fill(`move ${thing} 9 m to the left`);
+  await page.locator('#edit-preview').click();
+  await page.waitForFunction(() => document.getElementById('preview').open, null, { timeout: 60000 });
+  const foretold = await page.locator('#preview-text').textContent();
+  check(warned.test(foretold), `a preview warns of a move through the wall (${foretold})`);
+  await page.locator('#preview-apply').click();
+  await done(1);
+  check(warned.test(await message()), `and so does the move (${await message()})`);
+  await page.locator('#undo').click();
+  await done(0);
+
   // Things on the object are asked for.
   if (thing === 'bed') {
     await type('delete bed', 1);
