@@ -68,7 +68,9 @@ TEST(FolderReplacement, AProtectedFolderIsRefusedBeforeAnything) {
   constexpr uid_t kNobody = 65534;
   for (const fs::path& place : {folder, folder / "out", folder / "out" / "images"}) {
     fs::permissions(place, fs::perms::all);
-    if (::geteuid() == 0) ASSERT_EQ(::chown(place.c_str(), kNobody, kNobody), 0);
+    if (::geteuid() == 0) {
+      ASSERT_EQ(::chown(place.c_str(), kNobody, kNobody), 0);
+    }
   }
   fs::permissions(folder / "out" / "images", fs::perms(0555));
   const pid_t child = ::fork();

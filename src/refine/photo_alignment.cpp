@@ -103,6 +103,11 @@ class Aligner {
     camera.world_to_camera = pose;
     seen = look_(camera);
     ++renderings_;
+    return equations(level, camera, seen);
+  }
+
+  /// `seen` is the scene from the camera, of the level's size.
+  Equations equations(const PhotoLevel& level, const Camera& camera, const SceneLook& seen) const {
     Equations e;
     const std::vector<Sample> samples = samples_of(level, camera, seen, e.depth);
     const double all = static_cast<double>(camera.width) * camera.height;
@@ -211,10 +216,11 @@ class Aligner {
 
 }  // namespace
 
-PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const ImageF& mask, const LookAtScene& look,
-                              const PhotoAlignmentSettings& settings) {
-  const bool sizes = photo.width == start.width && photo.height == start.height && photo.channels == 3 &&
-                     (mask.empty() || (mask.width == start.width && mask.height == start.height));
+PhotoAlignment align_to_photo(PhotoToAlign photo, const LookAtScene& look, const PhotoAlignmentSettings& settings) {
+  const Camera& start = photo.start;
+  const auto fits = [&](const ImageF& map) { return map.width == start.width && map.height == start.height; };
+  const bool sizes = fits(photo.color) && photo.color.channels == 3 && (photo.mask.empty() || fits(photo.mask)) &&
+                     (!photo.seen || (fits(photo.seen->color) && fits(photo.seen->depth)));
   if (!sizes) {
     throw Error({ErrorKind::kFailed,
                  "a photo to be aligned does not have the size of its camera",
@@ -224,18 +230,17 @@ PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const Im
   }
   PhotoAlignment result;
   result.camera = start;
-  if (start.width < kLeastSize || start.height < kLeastSize) {
-    result.seen = look(start);
-    return result;
-  }
-  const std::vector<PhotoLevel> levels = levels_of(start, photo, mask, std::max(1, settings.levels));
+  result.renderings = photo.seen ? 0 : 1;
+  result.seen = photo.seen ? std::move(*photo.seen) : look(start);
+  if (start.width < kLeastSize || start.height < kLeastSize) return result;
+  const std::vector<PhotoLevel> levels = levels_of(start, photo.color, photo.mask, std::max(1, settings.levels));
   Aligner aligner(look, settings);
   Rigidd pose = start.world_to_camera;
-  const Equations first = aligner.measure(levels.front(), pose, result.seen);
+  const Equations first = aligner.equations(levels.front(), start, result.seen);
   Equations last;
   SceneLook seen;
   for (auto level = levels.rbegin(); level != levels.rend(); ++level) last = aligner.descend(*level, pose, seen);
-  result.renderings = aligner.renderings();
+  result.renderings += aligner.renderings();
   result.before = first.error;
   result.after = last.error;
   if (!first.usable || !last.usable || !(last.error < first.error)) return result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "core/image.h"
 #include "scene/camera.h"
@@ -13,7 +14,7 @@ struct SceneLook {
   ImageF color;  ///< H x W x 3, as the photo
   ImageF depth;  ///< H x W, z of the camera, 0 = nothing to be seen
 };
-/// Renders at the camera's size. align_to_photo asks for the start at full size first.
+/// Renders at the camera's size.
 using LookAtScene = std::function<SceneLook(const Camera&)>;
 
 struct PhotoAlignmentSettings {
@@ -32,11 +33,18 @@ struct PhotoAlignment {
   int renderings = 0;
 };
 
+/// A photo, and the camera from which its pose is sought.
+struct PhotoToAlign {
+  Camera start;
+  ImageF color;  ///< H x W x 3 of the camera's size
+  ImageF mask;   ///< H x W, 0 = ignored; empty: every pixel counts
+  /// The scene from the start, where it is rendered already.
+  std::optional<SceneLook> seen{};
+};
+
 /// Direct alignment (Lucas-Kanade over the pixels' surfaces; Kerl et al. 2013) of six numbers of the pose and two of
 /// the photo's brightness, by Levenberg-Marquardt. Returns the start if the photo gives nothing better: no contrast,
-/// too little of the scene in view, or no smaller difference in the end. `photo` is H x W x 3 of the camera's size
-/// (Error{kFailed} otherwise). `mask` has the same size and one channel, 0 = ignored, or is empty.
-PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const ImageF& mask, const LookAtScene& look,
-                              const PhotoAlignmentSettings& settings = {});
+/// too little of the scene in view, or no smaller difference in the end. Error{kFailed} for maps of another size.
+PhotoAlignment align_to_photo(PhotoToAlign photo, const LookAtScene& look, const PhotoAlignmentSettings& settings = {});
 
 }  // namespace aligngs

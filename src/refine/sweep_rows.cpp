@@ -13,10 +13,13 @@ namespace {
 constexpr float kFlatShare = 0.25f;  // of the least variance: the other photo may be darker, not featureless
 constexpr int kUsualTerms = 7;       // rows of the usual window
 
-ALIGNGS_ALWAYS_INLINE FloatLanes lanes_at(const float* from) {
-  FloatLanes out;
-  std::memcpy(&out, from, sizeof(out));
-  return out;
+// Lanes are passed by reference: who returns them by value has another ABI on each instruction set.
+ALIGNGS_ALWAYS_INLINE void load_lanes(FloatLanes& out, const float* from) { std::memcpy(&out, from, sizeof(out)); }
+
+ALIGNGS_ALWAYS_INLINE void add_lanes(FloatLanes& sum, const float* from) {
+  FloatLanes term;
+  load_lanes(term, from);
+  sum += term;
 }
 
 // No branches: every pixel is computed, and those that do not count are multiplied away. Places are kept inside of the
@@ -68,19 +71,21 @@ void sum_rows(const float* const* rows, int terms, int count, float* out) {
     const float *const a = rows[0], *const b = rows[1], *const c = rows[2], *const d = rows[3], *const e = rows[4],
                        *const f = rows[5], *const g = rows[6];
     for (; i + kLanes <= count; i += kLanes) {
-      FloatLanes sum = lanes_at(a + i);
-      sum += lanes_at(b + i);
-      sum += lanes_at(c + i);
-      sum += lanes_at(d + i);
-      sum += lanes_at(e + i);
-      sum += lanes_at(f + i);
-      sum += lanes_at(g + i);
+      FloatLanes sum;
+      load_lanes(sum, a + i);
+      add_lanes(sum, b + i);
+      add_lanes(sum, c + i);
+      add_lanes(sum, d + i);
+      add_lanes(sum, e + i);
+      add_lanes(sum, f + i);
+      add_lanes(sum, g + i);
       std::memcpy(out + i, &sum, sizeof(sum));
     }
   }
   for (; i + kLanes <= count; i += kLanes) {  // sums stay in registers
-    FloatLanes sum = lanes_at(rows[0] + i);
-    for (int term = 1; term < terms; ++term) sum += lanes_at(rows[term] + i);
+    FloatLanes sum;
+    load_lanes(sum, rows[0] + i);
+    for (int term = 1; term < terms; ++term) add_lanes(sum, rows[term] + i);
     std::memcpy(out + i, &sum, sizeof(sum));
   }
   for (; i < count; ++i) {

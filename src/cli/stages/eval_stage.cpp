@@ -48,20 +48,17 @@ PoseError pose_error(const Camera& camera, const Camera& truth, const Similarity
           rotation_angle_between_degrees(moved.rotation, truth.world_to_camera.rotation)};
 }
 
-/// Scores with the pose fitted to the test photo itself; the scene is frozen. `start`: the scene from data.camera,
-/// which the fit asks for first.
+/// Scores with the pose fitted to the test photo itself; the scene is frozen. `start`: the scene from data.camera.
 RefinedPoseMetrics measure_with_refined_pose(LoadedRun& run, int view, const ViewData& data, SceneLook start,
                                              const Similarity& to_truth) {
   RenderOptions options = run.render_options();
   options.labels = false;
-  bool first = true;
   const LookAtScene look = [&](const Camera& camera) {
-    if (std::exchange(first, false)) return std::move(start);
     Rendering r = run.engine->render(camera, options);
     run.expose_as(view, r.color);
     return SceneLook{std::move(r.color), std::move(r.depth_plane)};
   };
-  const PhotoAlignment aligned = align_to_photo(data.camera, data.color, data.mask, look);
+  const PhotoAlignment aligned = align_to_photo({data.camera, data.color, data.mask, std::move(start)}, look);
   const ImageScores scores = compare_images(aligned.seen.color, data.color, data.mask, {}, run.pool.get());
   RefinedPoseMetrics refined;
   refined.psnr = scores.psnr;
