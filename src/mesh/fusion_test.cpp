@@ -71,6 +71,25 @@ TEST(FuseDepth, TangentDistanceIsTheDistanceFromThePlaneHoweverItIsSeen) {
   EXPECT_NEAR(from_plane.tsdf * view.truncation, 0.01, 1e-6);
 }
 
+TEST(FuseDepth, SurfaceSeenAtAnAngleReachesNoFartherBehindItselfThanItsBound) {
+  // Seen at 84 degrees, 25 cm along the ray are 2.5 cm from the tangent plane.
+  const ImageF depth(64, 64, 1, 2.0f), weight(64, 64, 1, 1.0f), slope(64, 64, 1, 0.1f);
+  VoxelView view;
+  view.depth = depth.data.data();
+  view.weight = weight.data.data();
+  view.slope = slope.data.data();
+  view.width = view.height = 64;
+  view.fx = view.fy = 64;
+  view.cx = view.cy = 32;
+  view.truncation = 0.04f;
+  view.behind = 0.08f;
+  Voxel within, beyond;
+  fuse_voxel(view, {0, 0, 2.07f}, within);
+  fuse_voxel(view, {0, 0, 2.25f}, beyond);
+  EXPECT_NEAR(within.tsdf * view.truncation, -0.007, 1e-6);
+  EXPECT_EQ(beyond.weight, 0);
+}
+
 TEST(FuseDepth, TangentDistanceFindsTheSameRoom) {
   std::vector<FusionFrame> frames = test::room_views({2, 1.3, 2.5}, 12);
   for (FusionFrame& frame : frames) frame.normal = camera_normals(frame.depth, frame.camera);

@@ -166,6 +166,7 @@ VoxelView TsdfVolume::voxel_view(const TsdfView& view) const {
   out.cx = static_cast<float>(camera.cx);
   out.cy = static_cast<float>(camera.cy);
   out.truncation = static_cast<float>(options_.truncation);
+  out.behind = static_cast<float>(options_.behind * options_.truncation);
   out.observed_only = view.observed_only;
   out.carve = options_.carve;
   out.voxel = options_.voxel;

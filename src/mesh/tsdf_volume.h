@@ -19,8 +19,11 @@ namespace aligngs {
 struct TsdfOptions {
   double voxel = 0.01;       ///< scene units
   double truncation = 0.04;  ///< scene units, at most 64 voxels
-  uint64_t max_bytes = 0;    ///< 0: 80 % of the memory that is free now
-  bool carve = true;         ///< views also push voxels of other views towards free space in front of their surface
+  /// Truncations along the ray that a surface reaches behind itself. Distances from tangent planes of surface seen at an
+  /// angle would reach ten times as far, into what lies behind its edge.
+  double behind = 2;
+  uint64_t max_bytes = 0;  ///< 0: 80 % of the memory that is free now
+  bool carve = true;       ///< views also push voxels of other views towards free space in front of their surface
 };
 
 /// One depth map to be fused.

@@ -36,6 +36,7 @@ struct VoxelView {
   int width = 0, height = 0;
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float truncation = 0;
+  float behind = 1e30f;  ///< scene units along the ray behind the surface that it tells anything about
   bool observed_only = false, carve = true;
 
   double voxel = 0;  ///< scene units
@@ -113,7 +114,7 @@ ALIGNGS_HD inline void fuse_voxel(const VoxelView& view, const Vec3f& p, Voxel& 
   // With a normal, the distance from the surface's tangent plane: along the ray, surface seen at an angle would seem
   // farther away.
   const float distance = view.slope != nullptr ? (depth - p.z) * view.slope[pixel] : depth - p.z;
-  if (depth == 0 || distance < -view.truncation) return;
+  if (depth == 0 || distance < -view.truncation || p.z - depth > view.behind) return;
   const bool near = distance <= view.truncation;
   if (!near && !view.carve) return;
   const float total = voxel.weight + weight;

@@ -20,7 +20,7 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
        "relative difference up to which plane depth agrees with median depth"},
       {"mesh.plane_reach", field<&C::mesh, &M::plane_reach>, 0, 0.5, value(0.03),
        "relative distance up to which labelled walls, floor and ceiling move to their planes; 0 = off"},
-      {"mesh.smoothing", field<&C::mesh, &M::smoothing>, 0, 100, value(5.0),
+      {"mesh.smoothing", field<&C::mesh, &M::smoothing>, 0, 100, value(3.0),
        "pixels over which depth follows the rendered normals; 0 = off"},
       {"mesh.tangent_distance", field<&C::mesh, &M::tangent_distance>, 0, 0, value(true),
        "fuse distances from tangent planes instead of distances along rays"},
