@@ -2,19 +2,14 @@
 
 #include <cstdint>
 
+#include "core/sanitizers.h"
+
 #if defined(__x86_64__)
 #define ALIGNGS_FIBER_ASSEMBLY 1
 #else
 #include <ucontext.h>
 #endif
-#if defined(__SANITIZE_ADDRESS__)
-#define ALIGNGS_FIBER_ASAN 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ALIGNGS_FIBER_ASAN 1
-#endif
-#endif
-#ifdef ALIGNGS_FIBER_ASAN
+#ifdef ALIGNGS_ADDRESS_SANITIZER
 #include <sanitizer/asan_interface.h>
 #include <sanitizer/common_interface_defs.h>
 #endif
@@ -75,7 +70,7 @@ void Fiber::prepare(void (*entry)()) {
   if (!f.stack) f.stack.reset(new char[kStackBytes]);
   f.bottom = f.stack.get();
   f.bytes = kStackBytes;
-#ifdef ALIGNGS_FIBER_ASAN
+#ifdef ALIGNGS_ADDRESS_SANITIZER
   // Frames of the thread before, which were left without returning, are gone.
   __asan_unpoison_memory_region(f.stack.get(), kStackBytes);
 #endif
@@ -97,7 +92,7 @@ void Fiber::prepare(void (*entry)()) {
 #endif
 }
 
-#ifdef ALIGNGS_FIBER_ASAN
+#ifdef ALIGNGS_ADDRESS_SANITIZER
 namespace {
 /// The stack address of the fiber that was left is known only on arrival in the next one.
 struct LeftStack {
@@ -115,7 +110,7 @@ void finish_switch(void* fake_stack) {
 void Fiber::switch_between(Fiber& from, Fiber& to, bool last) {
   Implementation& a = from.implementation();
   Implementation& b = to.implementation();
-#ifdef ALIGNGS_FIBER_ASAN
+#ifdef ALIGNGS_ADDRESS_SANITIZER
   void* fake_stack = nullptr;
   left_stack = {&a.bottom, &a.bytes};
   __sanitizer_start_switch_fiber(last ? nullptr : &fake_stack, b.bottom, b.bytes);
@@ -125,13 +120,13 @@ void Fiber::switch_between(Fiber& from, Fiber& to, bool last) {
 #else
   swapcontext(&a.context, &b.context);
 #endif
-#ifdef ALIGNGS_FIBER_ASAN
+#ifdef ALIGNGS_ADDRESS_SANITIZER
   finish_switch(fake_stack);
 #endif
 }
 
 void Fiber::entered() {
-#ifdef ALIGNGS_FIBER_ASAN
+#ifdef ALIGNGS_ADDRESS_SANITIZER
   finish_switch(nullptr);
 #endif
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "core/sanitizers.h"
 #include "io/colmap.h"
 #include "io/npy.h"
 #include "scene/import/capture.h"
@@ -25,13 +26,7 @@ inline fs::path scratch_folder(const std::string& name) {
 }
 
 /// How many captures a test draws: a sixth under the sanitizers, which are slower by as much.
-inline uint64_t random_captures(uint64_t many) {
-#ifdef __SANITIZE_ADDRESS__
-  return many / 6;
-#else
-  return many;
-#endif
-}
+inline uint64_t random_captures(uint64_t many) { return kAddressSanitizer ? many / 6 : many; }
 
 /// A folder in one layout, and what is to come out of it beside the capture's own truth.
 struct Written {
