@@ -30,7 +30,9 @@ std::vector<PointMatch> matches(const Camera& of, int count, int wrong) {
   Random random(3);
   std::vector<PointMatch> out;
   for (int i = 0; i < count; ++i) {
-    const Vec3d point = of.unproject(random.uniform(10, 310), random.uniform(10, 230), random.uniform(1.5, 4));
+    // One after the other: compilers evaluate arguments in orders of their own.
+    const double z = random.uniform(1.5, 4), y = random.uniform(10, 230), x = random.uniform(10, 310);
+    const Vec3d point = of.unproject(x, y, z);
     const double off = i < wrong ? 40 : 0.5;
     const Vec2d at = of.project(of.world_to_camera * point);
     out.push_back({point, {at.x + random.uniform(-off, off), at.y + random.uniform(-off, off)}});
