@@ -53,9 +53,8 @@ TEST(FuseDepth, ABallIsFoundWithinAFractionOfAVoxel) {
   EXPECT_NEAR(sample_surface(result.mesh).area, 3.14159, 0.05);  // 4 pi r^2: closed, no second layer
 }
 
-TEST(FuseDepth, TangentDistanceIsTheDistanceFromThePlaneHoweverItIsSeen) {
-  // A floor 1 m below the camera, seen at 60 degrees: along the ray a voxel 1 cm above it is 2 cm before it.
-  const ImageF depth(64, 64, 1, 2.0f), weight(64, 64, 1, 1.0f), slope(64, 64, 1, 0.5f);
+/// A view of 64 x 64 pixels along z, which keeps pointers to both maps.
+VoxelView straight_view(const ImageF& depth, const ImageF& weight) {
   VoxelView view;
   view.depth = depth.data.data();
   view.weight = weight.data.data();
@@ -63,6 +62,13 @@ TEST(FuseDepth, TangentDistanceIsTheDistanceFromThePlaneHoweverItIsSeen) {
   view.fx = view.fy = 64;
   view.cx = view.cy = 32;
   view.truncation = 0.04f;
+  return view;
+}
+
+TEST(FuseDepth, TangentDistanceIsTheDistanceFromThePlaneHoweverItIsSeen) {
+  // A floor 1 m below the camera, seen at 60 degrees: along the ray a voxel 1 cm above it is 2 cm before it.
+  const ImageF depth(64, 64, 1, 2.0f), weight(64, 64, 1, 1.0f), slope(64, 64, 1, 0.5f);
+  VoxelView view = straight_view(depth, weight);
   Voxel along_ray, from_plane;
   fuse_voxel(view, {0, 0, 1.98f}, along_ray);
   view.slope = slope.data.data();
@@ -74,14 +80,8 @@ TEST(FuseDepth, TangentDistanceIsTheDistanceFromThePlaneHoweverItIsSeen) {
 TEST(FuseDepth, SurfaceSeenAtAnAngleReachesNoFartherBehindItselfThanItsBound) {
   // Seen at 84 degrees, 25 cm along the ray are 2.5 cm from the tangent plane.
   const ImageF depth(64, 64, 1, 2.0f), weight(64, 64, 1, 1.0f), slope(64, 64, 1, 0.1f);
-  VoxelView view;
-  view.depth = depth.data.data();
-  view.weight = weight.data.data();
+  VoxelView view = straight_view(depth, weight);
   view.slope = slope.data.data();
-  view.width = view.height = 64;
-  view.fx = view.fy = 64;
-  view.cx = view.cy = 32;
-  view.truncation = 0.04f;
   view.behind = 0.08f;
   Voxel within, beyond;
   fuse_voxel(view, {0, 0, 2.07f}, within);
