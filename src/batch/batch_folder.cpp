@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/file_system_error.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
 
@@ -107,7 +108,7 @@ Batch BatchFolder::read() const {
       if (!word.is_string()) damaged("options of " + room.name);
       room.options.push_back(word.get<std::string>());
     }
-    if (item.contains("line") && item["line"].is_number_integer()) room.line = item["line"].get<int>();
+    if (item.contains("line")) room.line = integer_in<int>(item["line"]).value_or(room.line);
     require_valid_room(room, batch.rooms, list());
     batch.rooms.push_back(std::move(room));
   }

@@ -22,6 +22,7 @@
 
 #include "core/error.h"
 #include "io/file_system_error.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 
 namespace aligngs {
@@ -141,7 +142,7 @@ LeaseView look_at_lease(const fs::path& leases, const std::string& room, const L
   const nlohmann::json lease = parse_json(text.str());
   if (!lease.is_object()) return view;  // its holder has created it, and is about to write
   if (lease.contains("host") && lease["host"].is_string()) view.host = lease["host"].get<std::string>();
-  if (lease.contains("pid") && lease["pid"].is_number_integer()) view.pid = lease["pid"].get<int64_t>();
+  if (lease.contains("pid")) view.pid = integer_in<int64_t>(lease["pid"]).value_or(view.pid);
   view.stale = view.stale || is_known_dead(lease, view.pid);
   return view;
 }

@@ -5,6 +5,7 @@
 #include "batch/option_words.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
@@ -25,7 +26,7 @@ std::string text_of(const Json& json, const char* name) {
 
 int number_of(const Json& json, const char* name) {
   const auto it = json.find(name);
-  return it != json.end() && it->is_number_integer() ? it->get<int>() : 0;
+  return it != json.end() ? integer_in<int>(*it).value_or(0) : 0;
 }
 
 }  // namespace

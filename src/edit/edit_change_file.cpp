@@ -10,6 +10,7 @@
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/gzip.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 
 namespace aligngs {
@@ -63,32 +64,40 @@ Json json_of(const Counts& c) {
 
 Counts counts_of(const Json& j) {
   Counts c;
-  c.removed = j.at("removed").get<uint64_t>();
-  c.colored = j.at("colored").get<uint64_t>();
-  c.relabelled = j.at("relabelled").get<uint64_t>();
-  c.added = j.at("added").get<uint64_t>();
-  c.triangles = j.at("triangles").get<uint64_t>();
-  c.vertices = j.at("vertices").get<uint64_t>();
-  c.added_vertices = j.at("added_vertices").get<uint64_t>();
-  c.added_triangles = j.at("added_triangles").get<uint64_t>();
+  c.removed = integer_of<uint64_t>(j.at("removed"));
+  c.colored = integer_of<uint64_t>(j.at("colored"));
+  c.relabelled = integer_of<uint64_t>(j.at("relabelled"));
+  c.added = integer_of<uint64_t>(j.at("added"));
+  c.triangles = integer_of<uint64_t>(j.at("triangles"));
+  c.vertices = integer_of<uint64_t>(j.at("vertices"));
+  c.added_vertices = integer_of<uint64_t>(j.at("added_vertices"));
+  c.added_triangles = integer_of<uint64_t>(j.at("added_triangles"));
   c.normals = j.at("normals").get<bool>();
   c.colors = j.at("colors").get<bool>();
   c.labels = j.at("labels").get<bool>();
   return c;
 }
 
+std::vector<uint16_t> classes_of(const Json& list) {
+  std::vector<uint16_t> classes;
+  for (const Json& value : list) classes.push_back(integer_of<uint16_t>(value));
+  return classes;
+}
+
 void read_head(const Json& head, EditChange& change) {
-  change.number = head.at("number").get<uint32_t>();
+  change.number = integer_of<uint32_t>(head.at("number"));
   change.base = std::stoull(head.at("base").get<std::string>(), nullptr, 16);
-  change.classes = head.at("classes").get<std::vector<uint16_t>>();
-  change.asked = head.at("asked").get<std::vector<uint16_t>>();
+  change.classes = classes_of(head.at("classes"));
+  change.asked = classes_of(head.at("asked"));
   change.asked_everything = head.at("asked_everything").get<bool>();
   for (int a = 0; a < 3; ++a) {
     change.low[a] = head.at("low").at(static_cast<size_t>(a)).get<float>();
     change.high[a] = head.at("high").at(static_cast<size_t>(a)).get<float>();
   }
-  change.inserted = head.value("inserted", uint64_t(0));
-  change.inserted_triangles = head.value("inserted_triangles", uint64_t(0));
+  if (head.contains("inserted")) {
+    change.inserted = integer_of<uint64_t>(head.at("inserted"));
+    change.inserted_triangles = integer_of<uint64_t>(head.at("inserted_triangles"));
+  }
   if (!head.contains("color")) return;
   const Json& color = head.at("color");
   ColorChange c;

@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 #include "edit/edit_change_file.h"
 #include "edit/edit_independence.h"
 #include "edit/testing/small_room.h"
+#include "io/gzip.h"
 
 namespace aligngs {
 namespace {
@@ -100,6 +103,19 @@ TEST_F(EditChangeTest, DamagedFilesAreRefusedByName) {
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
       EXPECT_THAT(error.what(), testing::HasSubstr("0001-x.edit"));
+    }
+  }
+}
+
+TEST_F(EditChangeTest, CountsThatAreNoneAreRefused) {
+  const std::string bytes = encode_change(made(edit_with_details(EditKind::kDelete, "box", true), 1));
+  const std::string text = gzip_expanded(bytes, "1.edit", 1 << 30);
+  const size_t line = text.find('\n');
+  for (const char* const count : {"removed", "triangles"}) {
+    nlohmann::json head = nlohmann::json::parse(text.substr(0, line));
+    for (const double damage : {1e308, 2.5, -1.0}) {
+      head["counts"][count] = damage;
+      EXPECT_THROW(decode_change(gzip_compressed(head.dump() + text.substr(line), 1), "1.edit"), Error) << damage;
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "edit/mesh_selection.h"
 #include "edit/selection.h"
 #include "io/atomic_file.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 #include "metrics/point_index.h"
 #include "metrics/surface_points.h"
@@ -131,10 +132,13 @@ std::vector<TrueObject> read_true_objects(const std::filesystem::path& file, siz
     if (document.at("schema") != 1) refuse("schema", "schema 1 is expected");
     for (const Json& entry : document.at("objects")) {
       const Json& range = entry.at("vertices");
-      out.push_back({entry.at("object").get<std::string>(), range.at(0).get<uint32_t>(), range.at(1).get<uint32_t>()});
+      out.push_back({entry.at("object").get<std::string>(), integer_of<uint32_t>(range.at(0)),
+                     integer_of<uint32_t>(range.at(1))});
       if (out.back().first > out.back().end || out.back().end > vertices)
         refuse("objects[" + std::to_string(out.size() - 1) + "].vertices", "the mesh has no such vertices");
     }
+  } catch (const std::out_of_range&) {
+    refuse("objects", "a number of a vertex is none");
   } catch (const nlohmann::json::exception&) {
     refuse("objects", "a value is missing or of another type");
   }

@@ -107,6 +107,8 @@ TEST_F(ObjectScores, VerticesThatTheMeshHasNotAreBadInput) {
   write_file_atomically(file, R"({"schema": 1, "objects": [{"object": "box#1", "vertices": [0, 99]}]})");
   EXPECT_EQ(read_true_objects(file, 99).size(), 1u);
   EXPECT_THROW(read_true_objects(file, 98), Error);
+  write_file_atomically(file, R"({"schema": 1, "objects": [{"object": "box#1", "vertices": [0, 1e308]}]})");
+  EXPECT_THROW(read_true_objects(file, 99), Error);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 
 namespace aligngs {
@@ -140,6 +141,11 @@ class Reader {
     if (!value.is_number() || !std::isfinite(value.get<double>())) fail(name, "not a finite number");
     return value.get<double>();
   }
+  int integer(const Json& of, const char* name) const {
+    const std::optional<int> value = integer_in<int>(member(of, name));
+    if (!value) fail(name, "not an integer");
+    return *value;
+  }
   std::string text(const Json& of, const char* name) const {
     if (!member(of, name).is_string()) fail(name, "not a text");
     return of[name].get<std::string>();
@@ -217,7 +223,7 @@ MeasuredOpening read_opening(const Reader& reader, const Json& json, size_t wall
 MeasuredBox read_box(const Reader& reader, const Json& json) {
   MeasuredBox b;
   b.class_name = reader.text(json, "class");
-  b.instance = static_cast<int>(reader.number(json, "instance"));
+  b.instance = reader.integer(json, "instance");
   const Json &centre = reader.list(json, "centre", 3), &size = reader.list(json, "size", 3);
   double c[3], s[3];
   for (size_t k = 0; k < 3; ++k) c[k] = reader.number_of(centre[k], "centre"), s[k] = reader.number_of(size[k], "size");

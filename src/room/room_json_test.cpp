@@ -83,6 +83,8 @@ TEST_F(RoomJson, ErrorsNameTheField) {
             "walls");
   EXPECT_EQ(error_after([](auto& d) { d["openings"][0]["wall"] = "wall.9"; }), "wall");
   EXPECT_EQ(error_after([](auto& d) { d["objects"][0]["size"] = "large"; }), "size");
+  EXPECT_EQ(error_after([](auto& d) { d["objects"][0]["instance"] = 1e308; }), "instance");
+  EXPECT_EQ(error_after([](auto& d) { d["objects"][0]["instance"] = 1.5; }), "instance");
   EXPECT_EQ(error_after([](auto& d) { d["scale"]["source"] = "guess"; }), "source");
   EXPECT_EQ(error_after([](auto& d) { d["found_by"] = "guess"; }), "found_by");
   EXPECT_EQ(error_after([](auto& d) { d["frame"]["world_to_room"][0] = {0, 0, 0, 0}; }), "world_to_room");

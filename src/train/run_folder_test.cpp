@@ -166,6 +166,15 @@ TEST_F(RunFolderTest, RecordRoundTripsAndKeepsForeignFields) {
   EXPECT_EQ(back.finished, "");
 }
 
+TEST_F(RunFolderTest, CountsOfARecordThatAreNoneAreZero) {
+  const fs::path path = base_ / "run.json";
+  write_file_atomically(path, R"({"seed": 1e308, "train": {"iterations": 2.5, "gaussians": -1}})");
+  const RunRecord record = read_run_record(path);
+  EXPECT_EQ(record.seed, 0);
+  EXPECT_EQ(record.train.iterations, 0);
+  EXPECT_EQ(record.train.gaussians, 0u);
+}
+
 TEST_F(RunFolderTest, DamagedRecordIsBadInput) {
   write_file_atomically(base_ / "run.json", "{");
   EXPECT_EQ(kind_of([&] { read_run_record(base_ / "run.json"); }), ErrorKind::kBadInput);

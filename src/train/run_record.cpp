@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_integer.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
 
@@ -37,10 +38,15 @@ std::vector<std::string> texts_of(const nlohmann::json& json, const char* name) 
   return texts;
 }
 
-template <class T>
-T number_of(const nlohmann::json& json, const char* name) {
+double number_of(const nlohmann::json& json, const char* name) {
   const auto it = json.find(name);
-  return it != json.end() && it->is_number() ? it->get<T>() : T{};
+  return it != json.end() && it->is_number() ? it->get<double>() : 0;
+}
+
+template <class Integer>
+Integer count_of(const nlohmann::json& json, const char* name) {
+  const auto it = json.find(name);
+  return it != json.end() ? integer_in<Integer>(*it).value_or(0) : 0;
 }
 
 }  // namespace
@@ -109,7 +115,7 @@ RunRecord read_run_record(const fs::path& path) {
   r.command = text_of(json, "command");
   r.version = text_of(json, "version");
   r.device = text_of(json, "device");
-  r.seed = number_of<int64_t>(json, "seed");
+  r.seed = count_of<int64_t>(json, "seed");
   r.started = text_of(json, "started");
   r.updated = text_of(json, "updated");
   r.finished = text_of(json, "finished");
@@ -122,11 +128,11 @@ RunRecord read_run_record(const fs::path& path) {
   r.cameras = text_of(json, "cameras");
   r.warnings = texts_of(json, "warnings");
   if (const auto train = json.find("train"); train != json.end() && train->is_object()) {
-    r.train.seconds = number_of<double>(*train, "seconds");
-    r.train.iterations = number_of<int64_t>(*train, "iterations");
-    r.train.gaussians = number_of<uint64_t>(*train, "gaussians");
-    r.train.iterations_per_second = number_of<double>(*train, "iterations_per_second");
-    r.train.peak_memory_bytes = number_of<uint64_t>(*train, "peak_memory_bytes");
+    r.train.seconds = number_of(*train, "seconds");
+    r.train.iterations = count_of<int64_t>(*train, "iterations");
+    r.train.gaussians = count_of<uint64_t>(*train, "gaussians");
+    r.train.iterations_per_second = number_of(*train, "iterations_per_second");
+    r.train.peak_memory_bytes = count_of<uint64_t>(*train, "peak_memory_bytes");
   }
   return r;
 }

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_integer.h"
 #include "nn/network_device.h"
 #include "nn/ops/activate.h"
 #include "nn/ops/blocks.h"
@@ -14,6 +15,7 @@ namespace aligngs::nn {
 namespace {
 
 constexpr float kEomtNormEps = 1e-6f;
+constexpr const char* kFetchAgain = "fetch the file again, or remove it";
 
 VitOptions eomt_vit_options(int64_t heads) {
   VitOptions options;
@@ -46,13 +48,19 @@ EomtOptions eomt_options_beside(const std::filesystem::path& weights) {
     try {
       take(nlohmann::json::parse(read_file(path)));
     } catch (const nlohmann::json::exception& error) {
-      throw_bad_input(path, "", error.what(), "fetch the file again, or remove it");
+      throw_bad_input(path, "", error.what(), kFetchAgain);
     }
   };
   read("config.json", [&](const nlohmann::json& config) {
     if (config.value("model_type", "") != "eomt") return;  // of another network in the same folder
-    options.heads = config.value("num_attention_heads", int64_t(0));
-    options.query_blocks = config.value("num_blocks", int64_t(0));
+    const auto count = [&](const char* key) {
+      if (!config.contains(key)) return int64_t(0);
+      const std::optional<int64_t> value = integer_in<int64_t>(config.at(key));
+      if (!value || *value < 0) throw_bad_input(weights.parent_path() / "config.json", key, "not a count", kFetchAgain);
+      return *value;
+    };
+    options.heads = count("num_attention_heads");
+    options.query_blocks = count("num_blocks");
   });
   read("preprocessor_config.json", [&](const nlohmann::json& config) {
     if (config.contains("image_mean")) config.at("image_mean").get_to(options.mean);

@@ -195,6 +195,8 @@ TEST(EomtOptions, AreReadFromTheFilesBesideTheWeights) {
   EXPECT_EQ(options.query_blocks, 4);
   EXPECT_FLOAT_EQ(options.mean[1], 0.2f);
   EXPECT_FLOAT_EQ(options.deviation[1], 0.224f);
+  std::ofstream(folder / "config.json") << R"({"model_type": "eomt", "num_blocks": 1e308})";
+  EXPECT_THROW(eomt_options_beside(folder / "model.safetensors"), Error);
   std::ofstream(folder / "config.json") << "{";
   EXPECT_THROW(eomt_options_beside(folder / "model.safetensors"), Error);
 }
