@@ -56,9 +56,12 @@ std::vector<double> differences(const std::vector<DepthSample>& samples, const s
   std::vector<double> all;
   for (const size_t other : views) {
     const Camera& camera = cameras[other];
-    for (const DepthSample& sample : samples) {
+    size_t from = other;
+    Rigidd to_other;
+    for (const DepthSample& sample : samples) {  // those of a view follow each other
       if (sample.view == other) continue;
-      const Rigidd to_other = camera.world_to_camera * cameras[sample.view].world_to_camera.inverse();
+      if (sample.view != from) to_other = camera.world_to_camera * cameras[sample.view].world_to_camera.inverse();
+      from = sample.view;
       const Vec3d p = to_other * (sample.ray * (sample.depth * factor));
       if (!(p.z > 0)) continue;
       const Vec2d pixel = camera.project(p);
