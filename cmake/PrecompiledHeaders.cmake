@@ -32,3 +32,11 @@ function(aligngs_compile_quickly target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O2>)
   endif()
 endfunction()
+
+# Such sources are not optimised under sanitizers: clang compiles them in a quarter of the time. They cannot share what
+# optimised sources precompile.
+function(aligngs_sanitize_quickly target)
+  if(ALIGNGS_SANITIZE)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
+  endif()
+endfunction()

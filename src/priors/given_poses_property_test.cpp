@@ -44,7 +44,7 @@ void expect_as_meant(const ViewData& data, const RandomFrame& frame, const std::
 class GivenPosesOfCaptures : public testing::TestWithParam<GivenLayout> {};
 
 TEST_P(GivenPosesOfCaptures, ComeOutAsTheyWereMeant) {
-  const uint64_t seeds = random_captures(200);
+  const uint64_t seeds = random_captures(100);
   const fs::path folder = scratch_folder(fmt::format("given_{}", GetParam().layout.name));
   set_log_level(LogLevel::kSilent);
   for (uint64_t seed = 0; seed < seeds && !HasFailure(); ++seed) {

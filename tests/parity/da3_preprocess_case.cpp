@@ -5,7 +5,7 @@
 namespace aligngs::parity {
 namespace {
 
-nn::Da3ImageOptions options_of(const Json& entry) {
+nn::Da3ImageOptions image_options_of(const Json& entry) {
   const auto method = entry.at("method").get<std::string>();
   const bool lower = method.rfind("lower_bound_", 0) == 0, cropped = method.size() > 5 && method.ends_with("_crop");
   if ((!lower && method.rfind("upper_bound_", 0) != 0) || (!cropped && !method.ends_with("_resize")))
@@ -22,7 +22,7 @@ void run_entry(Case& test, const Json& entry) {
     const auto photo = file.get<std::string>();
     nn::ImagePlacement placement;
     const Image<uint8_t> pixels = image_of(test.array(photo.substr(0, photo.rfind('.'))));
-    images.push_back(nn::da3_image(pixels, options_of(entry), &placement));
+    images.push_back(nn::da3_image(pixels, image_options_of(entry), &placement));
     placements.push_back(placement);
   }
   nn::da3_common_size(images, &placements);

@@ -85,7 +85,7 @@ class BrokenCaptures : public testing::TestWithParam<Layout> {};
 TEST_P(BrokenCaptures, EndWellOrWithATypedErrorAndNoOutput) {
   const char* seconds = std::getenv("ALIGNGS_FUZZ_SECONDS");
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds ? std::atoi(seconds) : 0);
-  const uint64_t seeds = random_captures(150);
+  const uint64_t seeds = random_captures(75);
   const fs::path folder = scratch_folder(fmt::format("broken_{}", GetParam().name));
   set_log_level(LogLevel::kSilent);
   ThreadPool pool(1);

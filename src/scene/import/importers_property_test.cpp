@@ -45,7 +45,7 @@ void expect_content(const ViewData& data, const RandomFrame& frame, bool depth, 
 class Importers : public testing::TestWithParam<Layout> {};
 
 TEST_P(Importers, RandomCapturesComeOutAsTheyWereMeant) {
-  const uint64_t seeds = random_captures(200);
+  const uint64_t seeds = random_captures(100);
   const fs::path folder = scratch_folder(fmt::format("property_{}", GetParam().name));
   set_log_level(LogLevel::kSilent);
   ThreadPool pool(1);

@@ -25,8 +25,8 @@ inline fs::path scratch_folder(const std::string& name) {
   return (fs::is_directory(memory) ? memory : fs::temp_directory_path()) / fmt::format("aligngs_{}_{}", name, getpid());
 }
 
-/// How many captures a test draws: a sixth under the sanitizers, which are slower by as much.
-inline uint64_t random_captures(uint64_t many) { return kAddressSanitizer ? many / 6 : many; }
+/// How many captures a test draws: a twelfth under the sanitizers, which are slower by as much.
+inline uint64_t random_captures(uint64_t many) { return kAddressSanitizer ? many / 12 : many; }
 
 /// A folder in one layout, and what is to come out of it beside the capture's own truth.
 struct Written {
