@@ -26,7 +26,7 @@ std::optional<float> mean_luma(const GaussianModel& model, const std::vector<uin
     weight += opacity;
   }
   if (!(weight > 0)) return std::nullopt;
-  return static_cast<float>(std::max(sum / weight, kDarkest));
+  return static_cast<float>(std::max(sum / weight, kDarkestMean));
 }
 
 void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected,
@@ -63,7 +63,7 @@ void recolor_vertices(TriangleMesh& mesh, const std::vector<uint8_t>& selected, 
     ++count;
   }
   if (count == 0) return;
-  const float mean = static_cast<float>(std::max(sum / static_cast<double>(count), kDarkest));
+  const float mean = static_cast<float>(std::max(sum / static_cast<double>(count), kDarkestMean));
   for (size_t v = 0; v < mesh.colors.size(); ++v) {
     if (!selected[v]) continue;
     const float y = shade_of(v) / mean;

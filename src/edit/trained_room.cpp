@@ -10,6 +10,7 @@
 #include "edit/room_up.h"
 #include "edit/shell_labels.h"
 #include "edit/touching_objects.h"
+#include "edit/whole_rugs.h"
 #include "gaussians/gaussian_ply.h"
 #include "scene/mesh_ply.h"
 #include "train/run_folder.h"
@@ -65,6 +66,7 @@ EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
   room.up = up_of_room(run.scene, room.gaussians);
   for (const int view : run.scene.train) room.cameras.push_back(run.working_camera(view));
   correct_shell_labels(room.gaussians, room.labels, room.cameras, pool);
+  complete_rugs(room.gaussians, room.labels, room.cameras);
   join_object_pieces(room.gaussians, room.labels, room.up);
   // Segments tell touching things apart better.
   if (!votes_for_objects(run.scene, run.config)) split_touching_objects(room.gaussians, room.labels, room.up, pool);
