@@ -4,10 +4,10 @@
 #   scalar-only  no vector instruction: the vectorised modules are right without them, as on a processor of another kind
 #   tsan         thread sanitizer: the pool of threads, and the engine that runs on it
 #   clang        clang 14: another compiler's warnings, and its order of floating-point operations
-#   scalar-tsan  the first two at once by clang 14, which compiles sanitized code faster: for .ci/run, which has little time
+#   scalar-tsan  the first two at once, for .ci/run, which has little time
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# The thread sanitizers of GCC 12 and clang 14 end at once where the system places memory in too many random ways.
+# The thread sanitizer of GCC 12 ends at once where the system places memory in too many random ways.
 fixed_places=()
 setarch "$(uname -m)" -R true 2>/dev/null && fixed_places=(setarch "$(uname -m)" -R)
 builds=("$@")
@@ -20,8 +20,7 @@ for build in "${builds[@]}"; do
   case "$build" in
     scalar-only) programs=(core_tests engine_tests nn_tests) ;;
     tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long" ;;
-    scalar-tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long"; preset=tsan
-                 settings=(-DALIGNGS_SCALAR_ONLY=ON -DCMAKE_CXX_COMPILER=clang++-14); scripts/setup.sh --clang ;;
+    scalar-tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long"; preset=tsan; settings=(-DALIGNGS_SCALAR_ONLY=ON) ;;
     clang) programs=(core_tests engine_tests io_tests); scripts/setup.sh --clang ;;
     -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;
     *) echo "other_builds.sh: unknown build $build" >&2; exit 2 ;;
