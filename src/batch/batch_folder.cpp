@@ -108,7 +108,7 @@ Batch BatchFolder::read() const {
       if (!word.is_string()) damaged("options of " + room.name);
       room.options.push_back(word.get<std::string>());
     }
-    if (item.contains("line")) room.line = integer_in<int>(item["line"]).value_or(room.line);
+    room.line = integer_member<int>(item, "line");
     require_valid_room(room, batch.rooms, list());
     batch.rooms.push_back(std::move(room));
   }

@@ -142,7 +142,7 @@ LeaseView look_at_lease(const fs::path& leases, const std::string& room, const L
   const nlohmann::json lease = parse_json(text.str());
   if (!lease.is_object()) return view;  // its holder has created it, and is about to write
   if (lease.contains("host") && lease["host"].is_string()) view.host = lease["host"].get<std::string>();
-  if (lease.contains("pid")) view.pid = integer_in<int64_t>(lease["pid"]).value_or(view.pid);
+  view.pid = integer_member<int64_t>(lease, "pid");
   view.stale = view.stale || is_known_dead(lease, view.pid);
   return view;
 }

@@ -24,11 +24,6 @@ std::string text_of(const Json& json, const char* name) {
   return it != json.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
-int number_of(const Json& json, const char* name) {
-  const auto it = json.find(name);
-  return it != json.end() ? integer_in<int>(*it).value_or(0) : 0;
-}
-
 }  // namespace
 
 void write_room_record(const fs::path& path, const RoomRecord& r) {
@@ -50,8 +45,8 @@ std::optional<RoomRecord> read_room_record(const fs::path& path) {
   r.inputs = {text_of(json, "digest"), text_of(json, "quick_digest")};
   r.command = text_of(json, "command");
   r.host = text_of(json, "host");
-  r.attempts = number_of(json, "attempts");
-  r.exit_status = number_of(json, "exit_status");
+  r.attempts = integer_member<int>(json, "attempts");
+  r.exit_status = integer_member<int>(json, "exit_status");
   r.message = text_of(json, "message");
   r.path = text_of(json, "path");
   r.field = text_of(json, "field");

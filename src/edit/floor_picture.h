@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "edit/grid_regions.h"
+#include "edit/fill/grid_regions.h"
 
 namespace aligngs {
 

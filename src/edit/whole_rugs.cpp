@@ -9,10 +9,10 @@
 
 #include "core/quantile.h"
 #include "edit/fill/carrying_classes.h"
+#include "edit/fill/grid_regions.h"
 #include "edit/fill/plane_rectangle.h"
 #include "edit/fill/room_planes.h"
 #include "edit/floor_picture.h"
-#include "edit/grid_regions.h"
 #include "edit/row_flags.h"
 #include "gaussians/gaussian_geometry.h"
 
@@ -22,8 +22,8 @@ namespace {
 constexpr double kFewOfAColor = 0.002;  ///< share of cells that is added to each colour: rare ones tell nothing
 constexpr int kLikenessReach = 2;       ///< cells: likeness is a mean over a square, since patterns alternate
 constexpr double kLikely = 0.5, kStillLikely = 0.3;  ///< likeness of new cells of a rug, and of those with its label
-constexpr double kAsGood =
-    0.9;  ///< of the best extent: inner frames of a pattern may fit a little better than the whole
+/// Share of the best extent's score: inner frames of a pattern may fit a little better than the whole.
+constexpr double kAsGood = 0.9;
 constexpr double kLeastFar = 0.1;  ///< share of the floor's cells that must be far from the rug
 
 using RugKey = std::pair<uint16_t, uint16_t>;  ///< class and number
@@ -32,7 +32,11 @@ using RugKey = std::pair<uint16_t, uint16_t>;  ///< class and number
 class RugGrowth {
  public:
   RugGrowth(const FloorPicture& picture, CellRegion labelled, double extent, const WholeRugOptions& options)
-      : picture_(picture), labelled_(std::move(labelled)), options_(options), seen_(picture.grid, picture.seen) {
+      : picture_(picture),
+        labelled_(std::move(labelled)),
+        options_(options),
+        seen_(picture.grid, picture.seen),
+        around_seen_(grown(picture.seen, picture.grid, 1)) {
     const auto cells = [&](double share) {
       return std::max(1, static_cast<int>(std::lround(share * extent / picture.grid.cell)));
     };
@@ -45,8 +49,9 @@ class RugGrowth {
   /// The extent of the whole rug; empty where the labels' own is as good.
   std::optional<CellRegion> whole() const {
     if (count_of(labelled_) < options_.seeds) return std::nullopt;
-    if (filled_share(labelled_) >= options_.whole) return std::nullopt;
-    const double least = options_.better * filled_share(labelled_) * contrast(labelled_);
+    const double filled = filled_share(labelled_);
+    if (filled >= options_.whole) return std::nullopt;
+    const double least = options_.better * filled * contrast(labelled_);
     std::vector<std::pair<double, CellRegion>> good;
     double most = 0;
     CellRegion region = labelled_;
@@ -87,8 +92,8 @@ class RugGrowth {
 
   /// Median over the edge to floor that is seen: the distance of the mean colours on both sides.
   double contrast(const CellRegion& region) const {
-    constexpr size_t kFewestCells = 20;
-    const double fewest_beside = 8;  // cells on either side
+    constexpr size_t kFewestCells = 20;  // of the edge
+    constexpr double kFewestBeside = 8;  // cells on either side
     CellRegion outside(region.size()), inside(region.size());
     for (size_t i = 0; i < region.size(); ++i) {
       inside[i] = region[i] && picture_.seen[i];
@@ -100,7 +105,7 @@ class RugGrowth {
     visit(inside, [&](int column, int row, size_t cell) {
       if (!near[cell]) return;
       const double cells_in = in[3].around(column, row, beside_), cells_out = out[3].around(column, row, beside_);
-      if (cells_in <= fewest_beside || cells_out <= fewest_beside) return;
+      if (cells_in <= kFewestBeside || cells_out <= kFewestBeside) return;
       Vec3d step;
       for (int c = 0; c < 3; ++c) {
         const size_t channel = static_cast<size_t>(c);
@@ -152,8 +157,7 @@ class RugGrowth {
       next[cell] = (near[cell] && mean > kLikely) || (labelled_[cell] && mean > kStillLikely);
     });
     next = without_holes(closed(next, picture_.grid, close_), picture_.grid);
-    const CellRegion around_seen = grown(picture_.seen, picture_.grid, 1);
-    for (size_t i = 0; i < next.size(); ++i) next[i] = next[i] && around_seen[i];
+    for (size_t i = 0; i < next.size(); ++i) next[i] = next[i] && around_seen_[i];
     return connected_to(labelled_, next, picture_.grid);
   }
 
@@ -172,6 +176,7 @@ class RugGrowth {
   CellRegion labelled_;
   const WholeRugOptions& options_;
   SquareSums seen_;
+  CellRegion around_seen_;
   int apart_ = 1, step_ = 1, close_ = 1, beside_ = 1;  ///< cells
 };
 
@@ -238,22 +243,22 @@ size_t complete_rugs(LabelledGaussians& room, const LabelSet& labels, const std:
   if (flat.empty()) return 0;
   const FloorPicture picture = paint_floor(room.model, flat, *floor, options.cell * room.extent);
 
+  std::vector<std::optional<size_t>> cells;
+  for (const uint32_t i : flat)
+    cells.push_back(picture.grid.cell_at(picture.grid.place_of(position_of(room.model, i))));
   size_t changed = 0;
   for (const RugKey& rug : rugs) {
     const auto is_of_it = [&](uint32_t i) { return of.label[i] == rug.first && of.instance[i] == rug.second; };
     CellRegion labelled(picture.grid.size(), 0);
-    for (const uint32_t i : flat) {
-      if (!is_of_it(i) || opacity_of(room.model, i) < kSolidOpacity) continue;
-      if (const auto cell = picture.grid.cell_at(picture.grid.place_of(position_of(room.model, i))))
-        labelled[*cell] = 1;
+    for (size_t k = 0; k < flat.size(); ++k) {
+      if (cells[k] && is_of_it(flat[k]) && opacity_of(room.model, flat[k]) >= kSolidOpacity) labelled[*cells[k]] = 1;
     }
     const auto whole = RugGrowth(picture, without_gaps(labelled, picture), room.extent, options).whole();
     if (!whole) continue;
-    for (const uint32_t i : flat) {
-      const auto cell = picture.grid.cell_at(picture.grid.place_of(position_of(room.model, i)));
-      if (!cell || !(*whole)[*cell] || is_of_it(i)) continue;
-      of.label[i] = rug.first;
-      of.instance[i] = rug.second;
+    for (size_t k = 0; k < flat.size(); ++k) {
+      if (!cells[k] || !(*whole)[*cells[k]] || is_of_it(flat[k])) continue;
+      of.label[flat[k]] = rug.first;
+      of.instance[flat[k]] = rug.second;
       ++changed;
     }
   }

@@ -37,4 +37,11 @@ T integer_of(const Json& value) {
   throw std::out_of_range("not an integer of the expected range");
 }
 
+/// The integer of an object's member, else `otherwise`: where it is absent or none of the range.
+template <std::integral T, class Json>
+T integer_member(const Json& object, const char* name, T otherwise = 0) {
+  const auto it = object.find(name);
+  return it != object.end() ? integer_in<T>(*it).value_or(otherwise) : otherwise;
+}
+
 }  // namespace aligngs

@@ -34,6 +34,13 @@ TEST(JsonInteger, FractionsAndOtherTypesAreNone) {
   EXPECT_FALSE(integer_in<int>(Json()));
 }
 
+TEST(JsonInteger, AMemberThatIsAbsentOrNoneIsTheOther) {
+  const Json object = {{"views", 12}, {"seed", 1e308}};
+  EXPECT_EQ(integer_member<int>(object, "views"), 12);
+  EXPECT_EQ(integer_member<int>(object, "seed"), 0);
+  EXPECT_EQ(integer_member<int>(object, "masks", 3), 3);
+}
+
 TEST(JsonInteger, AnIntegerThatMustBeThereIsAnException) {
   EXPECT_EQ(integer_of<uint32_t>(Json(7)), 7u);
   EXPECT_THROW(integer_of<uint32_t>(Json(1e308)), std::out_of_range);

@@ -43,12 +43,6 @@ double number_of(const nlohmann::json& json, const char* name) {
   return it != json.end() && it->is_number() ? it->get<double>() : 0;
 }
 
-template <class Integer>
-Integer count_of(const nlohmann::json& json, const char* name) {
-  const auto it = json.find(name);
-  return it != json.end() ? integer_in<Integer>(*it).value_or(0) : 0;
-}
-
 }  // namespace
 
 std::string utc_now() {
@@ -115,7 +109,7 @@ RunRecord read_run_record(const fs::path& path) {
   r.command = text_of(json, "command");
   r.version = text_of(json, "version");
   r.device = text_of(json, "device");
-  r.seed = count_of<int64_t>(json, "seed");
+  r.seed = integer_member<int64_t>(json, "seed");
   r.started = text_of(json, "started");
   r.updated = text_of(json, "updated");
   r.finished = text_of(json, "finished");
@@ -129,10 +123,10 @@ RunRecord read_run_record(const fs::path& path) {
   r.warnings = texts_of(json, "warnings");
   if (const auto train = json.find("train"); train != json.end() && train->is_object()) {
     r.train.seconds = number_of(*train, "seconds");
-    r.train.iterations = count_of<int64_t>(*train, "iterations");
-    r.train.gaussians = count_of<uint64_t>(*train, "gaussians");
+    r.train.iterations = integer_member<int64_t>(*train, "iterations");
+    r.train.gaussians = integer_member<uint64_t>(*train, "gaussians");
     r.train.iterations_per_second = number_of(*train, "iterations_per_second");
-    r.train.peak_memory_bytes = count_of<uint64_t>(*train, "peak_memory_bytes");
+    r.train.peak_memory_bytes = integer_member<uint64_t>(*train, "peak_memory_bytes");
   }
   return r;
 }

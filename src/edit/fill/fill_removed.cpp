@@ -8,6 +8,7 @@
 #include "edit/fill/debris.h"
 #include "edit/fill/fill_room.h"
 #include "edit/fill/furniture_fill.h"
+#include "edit/fill/grid_regions.h"
 #include "edit/fill/hole_gaps.h"
 #include "edit/fill/lifted_shade.h"
 #include "edit/fill/plane_rectangle.h"
@@ -33,7 +34,7 @@ std::vector<float> opened(const FillRoom& r, const PlaneGrid& grid) {
 /// The hole and the thin rim of the surface around it, through which the black behind the room would show.
 std::vector<uint8_t> with_seam(const FillRoom& r, const PlaneGrid& grid, const std::vector<float>& cover,
                                const std::vector<uint8_t>& barred, const std::vector<uint8_t>& hole) {
-  std::vector<uint8_t> wide = widened(widened(hole, grid), grid);
+  std::vector<uint8_t> wide = grown(hole, grid, 2);
   for (size_t at = 0; at < wide.size(); ++at)
     wide[at] = hole[at] || (wide[at] && cover[at] < r.settings.thin && !barred[at]);
   return wide;

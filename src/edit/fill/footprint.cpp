@@ -1,6 +1,6 @@
 #include "edit/fill/footprint.h"
 
-#include "edit/fill/hole_gaps.h"
+#include "edit/fill/grid_regions.h"
 #include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
@@ -21,7 +21,7 @@ Footprint footprint_of(const GaussianModel& model, const std::vector<uint32_t>& 
   std::vector<float> cover(out.grid.size(), 0.f);
   for (const uint32_t i : rows) splat(model, i, out.grid, true, cover);
   for (const float c : cover) out.cells.push_back(c >= least);
-  close_gaps(out.grid, std::vector<uint8_t>(out.grid.size(), 0), out.grid.size(), out.cells);
+  out.cells = without_holes(out.cells, out.grid);
   return out;
 }
 

@@ -55,18 +55,4 @@ void splat(const GaussianModel& model, size_t row, const PlaneGrid& grid, bool f
   }
 }
 
-std::vector<uint8_t> widened(const std::vector<uint8_t>& cells, const PlaneGrid& grid) {
-  std::vector<uint8_t> out = cells;
-  for (int j = 0; j < grid.rows; ++j) {
-    for (int i = 0; i < grid.columns; ++i) {
-      for (int y = std::max(0, j - 1); y <= std::min(grid.rows - 1, j + 1); ++y) {
-        for (int x = std::max(0, i - 1); x <= std::min(grid.columns - 1, i + 1); ++x) {
-          if (cells[grid.index(x, y)]) out[grid.index(i, j)] = 1;
-        }
-      }
-    }
-  }
-  return out;
-}
-
 }  // namespace aligngs

@@ -44,7 +44,4 @@ PlaneGrid grid_over(const std::vector<Vec3d>& points, const PlaneOf& plane, doub
 /// Adds the opacity of a Gaussian to the cells that it covers. `flat`: how far it is from the plane does not matter.
 void splat(const GaussianModel& model, size_t row, const PlaneGrid& grid, bool flat, std::vector<float>& cover);
 
-/// Cells within one cell of the given ones.
-std::vector<uint8_t> widened(const std::vector<uint8_t>& cells, const PlaneGrid& grid);
-
 }  // namespace aligngs

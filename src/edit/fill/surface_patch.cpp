@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/spherical_harmonics.h"
+#include "edit/fill/grid_regions.h"
 #include "edit/fill/lifted_shade.h"
 #include "edit/fill/quilted_texture.h"
 #include "edit/fill/repeated_texture.h"
@@ -221,7 +222,7 @@ SupportPatch make_patch(const LabelledGaussians& room, const SurfaceHole& open, 
       add_gaussian(room, grid, place, colors[grid.index(i, j)], shine, source_at(place), patch);
     }
   }
-  add_mesh(room, grid, widened(hole, grid), colors, source_at(grid.at(0.5 * grid.columns, 0.5 * grid.rows)),
+  add_mesh(room, grid, grown(hole, grid, 1), colors, source_at(grid.at(0.5 * grid.columns, 0.5 * grid.rows)),
            patch.mesh);
   return patch;
 }

@@ -1,4 +1,4 @@
-#include "edit/grid_regions.h"
+#include "edit/fill/grid_regions.h"
 
 #include <gmock/gmock.h>
 

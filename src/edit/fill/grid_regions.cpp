@@ -1,6 +1,8 @@
-#include "edit/grid_regions.h"
+#include "edit/fill/grid_regions.h"
 
 #include <algorithm>
+
+#include "edit/fill/hole_gaps.h"
 
 namespace aligngs {
 namespace {
@@ -13,12 +15,6 @@ void visit_neighbours(const PlaneGrid& grid, size_t cell, const Visit& visit) {
   if (column + 1 < columns) visit(cell + 1);
   if (cell >= columns) visit(cell - columns);
   if (cell + columns < grid.size()) visit(cell + columns);
-}
-
-CellRegion outside_of(const CellRegion& region) {
-  CellRegion out(region.size());
-  for (size_t i = 0; i < out.size(); ++i) out[i] = !region[i];
-  return out;
 }
 
 }  // namespace
@@ -97,11 +93,9 @@ CellRegion connected_to(const CellRegion& seeds, const CellRegion& region, const
 }
 
 CellRegion without_holes(const CellRegion& region, const PlaneGrid& grid) {
-  CellRegion edge(region.size(), 0);
-  for (int row = 0; row < grid.rows; ++row) edge[grid.index(0, row)] = edge[grid.index(grid.columns - 1, row)] = 1;
-  for (int column = 0; column < grid.columns; ++column)
-    edge[grid.index(column, 0)] = edge[grid.index(column, grid.rows - 1)] = 1;
-  return outside_of(connected_to(edge, outside_of(region), grid));
+  CellRegion out = region;
+  close_gaps(grid, CellRegion(grid.size(), 0), grid.size(), out);
+  return out;
 }
 
 CellRegion rim_of(const CellRegion& region, const PlaneGrid& grid) {
