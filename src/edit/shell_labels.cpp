@@ -148,10 +148,10 @@ class ShellCorrection {
 }  // namespace
 
 size_t correct_shell_labels(LabelledGaussians& room, const LabelSet& labels, const std::vector<Camera>& cameras,
-                            ThreadPool& pool, const ShellLabelOptions& options) {
+                            ThreadPool& pool, RoomTree& tree, const ShellLabelOptions& options) {
   if (!room.has_labels()) return 0;
   ShellCorrection shell(room, labels, cameras, options);
-  if (!shell.has_planes()) return join_crumbs(room, {}, pool);
+  if (!shell.has_planes()) return 0;
   shell.measure(pool);
   size_t changed = shell.swap_planes();
   const std::vector<uint8_t> proud = shell.proud_rows();
@@ -161,12 +161,9 @@ size_t correct_shell_labels(LabelledGaussians& room, const LabelSet& labels, con
   CrumbOptions join;
   join.color_sigma = options.color_sigma;
   join.rounds = options.reach;
-  std::vector<uint8_t> open;
-  RoomTree tree(room.model);
-  changed += join_neighbours(room, crumbs, join, pool, may_join, &open, &tree);
+  changed += join_neighbours(room, crumbs, join, pool, may_join, nullptr, &tree);
   join.majority = 0;  // nothing is in front of a wall for long
-  changed += join_neighbours(room, proud, join, pool, may_join, nullptr, &tree);
-  return changed + join_neighbours(room, open, {}, pool, {}, nullptr, &tree);
+  return changed + join_neighbours(room, proud, join, pool, may_join, nullptr, &tree);
 }
 
 }  // namespace aligngs

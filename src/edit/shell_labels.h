@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/thread_pool.h"
+#include "edit/crumbs.h"
 #include "edit/selection.h"
 #include "scene/camera.h"
 #include "scene/label_set.h"
@@ -28,12 +29,13 @@ struct ShellLabelOptions {
 /// A wall ends at its plane. Gaussians labelled wall in front of it join the thing that they touch, as the foot of a lamp
 /// or the legs of a stool. The same for floor and ceiling. Gaussians of one plane with the
 /// class of another one get the class of theirs. Crumbs (crumbs.h) join a thing, and walls only where they lie on one.
-/// Gaussians that touch no thing keep their labels, and numbers of objects do not change.
+/// Other crumbs are left to join_crumbs(). Gaussians that touch no thing keep their labels, and numbers of objects do
+/// not change.
 ///
 /// `cameras` tell which side of a plane is inside; without them the middle of the Gaussians does. Without labels, or
-/// without planes, only crumbs join. Returns how many Gaussians have another label or object. The same for any number
-/// of threads.
+/// without planes, nothing changes. Returns how many Gaussians have another label or object. The same for any number
+/// of threads. `tree` is that of the room.
 size_t correct_shell_labels(LabelledGaussians& room, const LabelSet& labels, const std::vector<Camera>& cameras,
-                            ThreadPool& pool, const ShellLabelOptions& options = {});
+                            ThreadPool& pool, RoomTree& tree, const ShellLabelOptions& options = {});
 
 }  // namespace aligngs

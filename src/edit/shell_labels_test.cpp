@@ -26,7 +26,8 @@ class ShellLabelsTest : public testing::Test {
   }
   size_t correct(int threads = 2) {
     ThreadPool pool(threads);
-    return correct_shell_labels(room_.gaussians, room_.labels, room_.cameras, pool);
+    RoomTree tree(room_.gaussians.model);
+    return correct_shell_labels(room_.gaussians, room_.labels, room_.cameras, pool, tree);
   }
   ThreadPool pool_{2};
   EditableRoom room_;
@@ -45,7 +46,7 @@ TEST_F(ShellLabelsTest, TheFloorItselfStays) {
   EXPECT_EQ(small_room::count_label(room_, small_room::kFloor), floor);
 }
 
-TEST_F(ShellLabelsTest, WithoutAFloorOnlyCrumbsJoin) {
+TEST_F(ShellLabelsTest, WithoutAFloorNothingChanges) {
   relabel(small_room::kFloor, -1, 1, kNoLabel);
   const std::vector<uint16_t> before = room_.gaussians.labels.label;
   EXPECT_EQ(correct(), 0u);

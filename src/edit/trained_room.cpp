@@ -5,12 +5,9 @@
 #include <utility>
 
 #include "core/error.h"
+#include "edit/corrected_labels.h"
 #include "edit/mesh_rows.h"
-#include "edit/object_pieces.h"
 #include "edit/room_up.h"
-#include "edit/shell_labels.h"
-#include "edit/touching_objects.h"
-#include "edit/whole_rugs.h"
 #include "gaussians/gaussian_ply.h"
 #include "scene/mesh_ply.h"
 #include "train/run_folder.h"
@@ -65,11 +62,9 @@ EditableRoom read_trained_room(const OpenedRun& run, ThreadPool& pool) {
   room.metric = run.scene.metric;
   room.up = up_of_room(run.scene, room.gaussians);
   for (const int view : run.scene.train) room.cameras.push_back(run.working_camera(view));
-  correct_shell_labels(room.gaussians, room.labels, room.cameras, pool);
-  complete_rugs(room.gaussians, room.labels, room.cameras);
-  join_object_pieces(room.gaussians, room.labels, room.up);
-  // Segments tell touching things apart better.
-  if (!votes_for_objects(run.scene, run.config)) split_touching_objects(room.gaussians, room.labels, room.up, pool);
+  // Segments tell touching things apart better than their waists.
+  const bool part_things = !votes_for_objects(run.scene, run.config);
+  correct_labels(room.gaussians, room.labels, {room.cameras, room.up, part_things}, pool);
   room.origins.reserve(room.gaussians.model.size());
   for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false, i});
   if (mesh.valid()) room.mesh = mesh.get();

@@ -10,7 +10,7 @@ namespace {
 
 /// Depth alone, where a surface covers the pixel.
 MeasuredView measured_view_of(const PlaneView& view) {
-  MeasuredView out{view.camera, view.depth, ImageF(view.depth.width, view.depth.height, 1, 1.0f)};
+  MeasuredView out{view.camera, view.depth, ImageF(view.depth.width, view.depth.height, 1, 1.0f), {}};
   if (view.certainty.data.size() != out.depth.data.size()) return out;
   for (size_t i = 0; i < out.depth.data.size(); ++i) {
     if (!(view.certainty.data[i] > 0)) out.depth.data[i] = 0;

@@ -37,7 +37,8 @@ inline void add_gaussian(GaussianModel& model, const Vec3f& position, const Vec3
   const float rotation[4] = {q.w, q.x, q.y, q.z};
   std::copy_n(rotation, 4, &model.rotations[4 * i]);
   model.opacity_logits[i] = 3;
-  if (label >= 0) model.semantics[i * static_cast<size_t>(model.semantic_channels) + static_cast<size_t>(label)] = 8;
+  if (label >= 0 && model.semantic_channels > 0)
+    model.semantics[i * static_cast<size_t>(model.semantic_channels) + static_cast<size_t>(label)] = 8;
 }
 
 /// A box without bottom standing on y = 0, up is -y as in a camera's world; Gaussians on its faces and the same as
@@ -136,7 +137,7 @@ inline size_t count_label(const EditableRoom& room, int label) {
 class LabelledBoxes : public testing::Test {
  protected:
   LabelledBoxes() {
-    room_.model.semantic_channels = 150;
+    room_.named = true;  // as a finished training: labels, and no semantic rows
     room_.extent = kExtent;
     room_.labels.label_set = ade20k_labels().name;
   }
