@@ -40,3 +40,12 @@ function(aligngs_sanitize_quickly target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
   endif()
 endfunction()
+
+# Tests are not optimised at all: they compile in half of the time. Those that compute much themselves are an exception
+# (aligngs_compile_quickly).
+function(aligngs_compile_tests target)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
+  endif()
+  aligngs_sanitize_quickly(${target})
+endfunction()

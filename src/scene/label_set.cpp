@@ -1,9 +1,9 @@
 #include "scene/label_set.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <map>
+#include <string_view>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -14,13 +14,27 @@ namespace {
 constexpr size_t kMaxLabelFile = size_t(16) << 20;  // bytes; 65534 classes with long synonym lists fit
 constexpr int kMaxClasses = 65534;                  // 65535 is kNoLabel
 
-std::string folded(const std::string& text) {
-  const auto space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  auto begin = std::find_if_not(text.begin(), text.end(), space);
-  auto end = std::find_if_not(text.rbegin(), std::string::const_reverse_iterator(begin), space).base();
-  std::string out(begin, end);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// The text without spaces around it.
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string folded(std::string_view text) {
+  std::string out(trimmed(text));
+  std::transform(out.begin(), out.end(), out.begin(), lower);
   return out;
+}
+
+/// folded(text) == wanted, without a copy: an edit asks this for every word of every class.
+bool folds_to(std::string_view text, std::string_view wanted) {
+  const std::string_view core = trimmed(text);
+  return core.size() == wanted.size() &&
+         std::equal(core.begin(), core.end(), wanted.begin(), [](char a, char b) { return lower(a) == b; });
 }
 
 /// Splits one CSV line; a field may be in double quotes, with "" for a quote (RFC 4180, single lines only).
@@ -140,11 +154,11 @@ class LabelTable {
 int LabelSet::find(const std::string& name_or_synonym) const {
   const std::string wanted = folded(name_or_synonym);
   for (int i = 0; i < size(); ++i) {
-    if (folded(classes[i].name) == wanted) return i;
+    if (folds_to(classes[i].name, wanted)) return i;
   }
   for (int i = 0; i < size(); ++i) {
     for (const std::string& synonym : classes[i].synonyms) {
-      if (folded(synonym) == wanted) return i;
+      if (folds_to(synonym, wanted)) return i;
     }
   }
   return -1;
