@@ -84,8 +84,8 @@ TEST_F(Kitchen, ColourAloneGivesTheRoomByDepthMeasuredInThePhotos) {
   EXPECT_EQ(metrics["nvs"]["views"], 20);
   EXPECT_GT(metrics["nvs"]["psnr"].get<double>(), 19);  // dB; 6.6 before training from points
   EXPECT_GT(metrics["nvs"]["exposure_fitted"]["psnr"].get<double>(), 20);
-  EXPECT_GT(metrics["geometry"]["fscore"].get<double>(), 0.5);  // 0.15 from points alone, with larger photos
-  EXPECT_TRUE(metrics["semantics"].is_null());                  // the capture has no labels
+  EXPECT_GT(metrics["geometry"]["fscore"].get<double>(), 0.55);  // 0.15 from points alone, with larger photos
+  EXPECT_TRUE(metrics["semantics"].is_null());                   // the capture has no labels
 }
 
 TEST_F(Kitchen, SensorDepthGivesTheRoomAtOnce) {
