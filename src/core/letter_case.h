@@ -6,10 +6,12 @@
 
 namespace aligngs {
 
-/// `text` with ASCII letters in lower case, in any locale. Other bytes stay.
+/// An ASCII letter in lower case, in any locale. Other bytes stay.
+constexpr char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
 inline std::string lower_case(std::string_view text) {
   std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (char& c : out) c = lower_case(c);
   return out;
 }
 

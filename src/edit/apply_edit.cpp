@@ -96,7 +96,7 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   CrumbOptions joining;
   joining.majority = 0;  // nothing may stay of an object that is gone
   RoomTree tree(room.gaussians.model);
-  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), joining, pool, {}, nullptr, &tree);
+  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), joining, pool, {}, &tree);
   join_crumbs(room.gaussians, {}, pool, &tree);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);

@@ -11,6 +11,7 @@
 #include "edit/color_table.h"
 #include "edit/edit_operation.h"
 #include "edit/selection_words.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

@@ -22,10 +22,6 @@ class CorrectedLabels : public small_room::LabelledBoxes {
     ThreadPool pool(2);
     correct_labels(room_, labels_, corrections, pool);
   }
-  std::vector<int> numbers(std::pair<size_t, size_t> rows) const {
-    return {room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.first),
-            room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.second)};
-  }
 
   LabelSet labels_ = ade20k_labels();
   int book_ = labels_.find("book");

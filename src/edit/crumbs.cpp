@@ -41,13 +41,12 @@ const PointTree& RoomTree::tree() {
 }
 
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
-                       ThreadPool& pool, const MayJoin& may_join, std::vector<uint8_t>* still_open, RoomTree* tree) {
+                       ThreadPool& pool, const MayJoin& may_join, RoomTree* tree) {
   const size_t k = static_cast<size_t>(options.neighbours);
   std::vector<uint32_t> marked;
   for (uint32_t i = 0; i < rows.size(); ++i) {
     if (rows[i]) marked.push_back(i);
   }
-  if (still_open) *still_open = rows;
   if (room.model.size() <= k || marked.empty()) return 0;
   RoomTree own(room.model);
   const NeighbourGraph graph = neighbour_graph((tree ? *tree : own).tree(), marked, k, pool);
@@ -81,7 +80,6 @@ size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows
       ++joined;
     }
   }
-  if (still_open) *still_open = std::move(open);
   return joined;
 }
 
@@ -102,7 +100,7 @@ std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOption
 }
 
 size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool, RoomTree* tree) {
-  return room.has_labels() ? join_neighbours(room, crumb_rows(room, options), options, pool, {}, nullptr, tree) : 0;
+  return room.has_labels() ? join_neighbours(room, crumb_rows(room, options), options, pool, {}, tree) : 0;
 }
 
 }  // namespace aligngs

@@ -48,10 +48,8 @@ size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadP
 /// 1 for the rows of crumbs.
 std::vector<uint8_t> crumb_rows(const LabelledGaussians& room, const CrumbOptions& options);
 
-/// The same for given Gaussians, e.g. what is left of a deleted object: `rows` marks them. Those that joined are marked
-/// no longer in `open`, when it is asked for.
+/// The same for given Gaussians, e.g. what is left of a deleted object: `rows` marks them.
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
-                       ThreadPool& pool, const MayJoin& may_join = {}, std::vector<uint8_t>* open = nullptr,
-                       RoomTree* tree = nullptr);
+                       ThreadPool& pool, const MayJoin& may_join = {}, RoomTree* tree = nullptr);
 
 }  // namespace aligngs

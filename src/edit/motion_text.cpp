@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/letter_case.h"
 #include "edit/selection_words.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

@@ -7,6 +7,7 @@
 #include "edit/edit_text.h"
 #include "edit/selection_text.h"
 #include "edit/undo_words.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

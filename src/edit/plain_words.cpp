@@ -9,6 +9,7 @@
 #include "core/letter_case.h"
 #include "edit/item_adjectives.h"
 #include "edit/relation/relation_words.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/letter_case.h"
 #include "edit/item_adjectives.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

@@ -12,6 +12,7 @@
 #include "edit/item_adjectives.h"
 #include "edit/plain_words.h"
 #include "edit/selection_item.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

@@ -7,6 +7,7 @@
 #include "core/letter_case.h"
 #include "edit/relation/relation_words.h"
 #include "edit/vocabulary.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {
@@ -148,13 +149,6 @@ std::string choice_word(ObjectChoice choice) {
     if (known == choice) return std::string(word);
   }
   return "";
-}
-
-std::string_view trimmed(std::string_view text) {
-  const char* blanks = " \t\r\n";
-  const size_t begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
 
 bool take_phrase(std::string_view& item, std::string_view phrase) {

@@ -29,9 +29,6 @@ enum class ObjectChoice {
 
 std::string choice_word(ObjectChoice choice);  ///< "largest", "left", ...; empty for kNone
 
-/// `text` without blanks at its ends.
-std::string_view trimmed(std::string_view text);
-
 /// Takes the words of `phrase` (lower case) off the begin of `item` where more follows.
 bool take_phrase(std::string_view& item, std::string_view phrase);
 

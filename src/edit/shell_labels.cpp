@@ -161,9 +161,9 @@ size_t correct_shell_labels(LabelledGaussians& room, const LabelSet& labels, con
   CrumbOptions join;
   join.color_sigma = options.color_sigma;
   join.rounds = options.reach;
-  changed += join_neighbours(room, crumbs, join, pool, may_join, nullptr, &tree);
+  changed += join_neighbours(room, crumbs, join, pool, may_join, &tree);
   join.majority = 0;  // nothing is in front of a wall for long
-  return changed + join_neighbours(room, proud, join, pool, may_join, nullptr, &tree);
+  return changed + join_neighbours(room, proud, join, pool, may_join, &tree);
 }
 
 }  // namespace aligngs

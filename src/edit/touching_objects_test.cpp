@@ -15,11 +15,6 @@ class TouchingObjects : public small_room::LabelledBoxes {
     ThreadPool pool(threads);
     return split_touching_objects(room_, ade20k_labels(), Vec3d{0, -1, 0}, pool);
   }
-  /// Numbers of the rows of a box.
-  std::vector<int> numbers(std::pair<size_t, size_t> rows) const {
-    return {room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.first),
-            room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.second)};
-  }
 };
 
 using testing::Each;

@@ -6,7 +6,9 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "io/atomic_file.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {
@@ -14,27 +16,13 @@ namespace {
 constexpr size_t kMaxLabelFile = size_t(16) << 20;  // bytes; 65534 classes with long synonym lists fit
 constexpr int kMaxClasses = 65534;                  // 65535 is kNoLabel
 
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-/// The text without spaces around it.
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string folded(std::string_view text) {
-  std::string out(trimmed(text));
-  std::transform(out.begin(), out.end(), out.begin(), lower);
-  return out;
-}
+std::string folded(std::string_view text) { return lower_case(trimmed(text)); }
 
 /// folded(text) == wanted, without a copy: an edit asks this for every word of every class.
 bool folds_to(std::string_view text, std::string_view wanted) {
   const std::string_view core = trimmed(text);
   return core.size() == wanted.size() &&
-         std::equal(core.begin(), core.end(), wanted.begin(), [](char a, char b) { return lower(a) == b; });
+         std::equal(core.begin(), core.end(), wanted.begin(), [](char a, char b) { return lower_case(a) == b; });
 }
 
 /// Splits one CSV line; a field may be in double quotes, with "" for a quote (RFC 4180, single lines only).

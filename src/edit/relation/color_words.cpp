@@ -11,6 +11,7 @@
 #include "edit/color_names.h"
 #include "edit/selection_words.h"
 #include "edit/vocabulary.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

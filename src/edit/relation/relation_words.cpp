@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "edit/selection_words.h"
+#include "io/text_tokens.h"
 
 namespace aligngs {
 namespace {

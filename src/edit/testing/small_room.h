@@ -151,6 +151,11 @@ class LabelledBoxes : public testing::Test {
     room_.labels.confidence.resize(room_.model.size(), 255);
     return {first, room_.model.size()};
   }
+  /// Numbers of the rows of a box.
+  std::vector<int> numbers(std::pair<size_t, size_t> rows) const {
+    return {room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.first),
+            room_.labels.instance.begin() + static_cast<std::ptrdiff_t>(rows.second)};
+  }
   LabelledGaussians room_;
 };
 
