@@ -20,7 +20,10 @@ for build in "${builds[@]}"; do
   case "$build" in
     scalar-only) programs=(core_tests engine_tests nn_tests) ;;
     tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long" ;;
-    scalar-tsan) programs=(core_tests engine_tests); filter="-$one_thread:$long"; preset=tsan; settings=(-DALIGNGS_SCALAR_ONLY=ON) ;;
+    scalar-tsan)
+      programs=(core_tests engine_tests); filter="-$one_thread:$long"; preset=tsan; scripts/setup.sh --clang
+      # clang compiles sanitized sources in less than half of GCC's time.
+      settings=(-DALIGNGS_SCALAR_ONLY=ON -DCMAKE_CXX_COMPILER=clang++-14) ;;
     clang) programs=(core_tests engine_tests io_tests); scripts/setup.sh --clang ;;
     -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;
     *) echo "other_builds.sh: unknown build $build" >&2; exit 2 ;;

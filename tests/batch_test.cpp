@@ -28,8 +28,7 @@ class BatchCommand : public testing::Test {
   /// One scene for all rooms. Without the truth nothing is compared with it, which takes longer than all the rest.
   static void SetUpTestSuite() {
     scene_ = fs::path(testing::TempDir()) / "batch_command" / "scene";
-    testing_support::write_small_scene(scene_, {48, 36, 6, 2, true});
-    fs::remove_all(scene_ / "truth");
+    testing_support::write_small_scene(scene_, {48, 36, 6, 2, true, false});
   }
   void SetUp() override {
     root_ =

@@ -145,8 +145,9 @@ TEST_F(Pipeline, AnExistingRunIsNotOverwrittenUnasked) {
 }
 
 TEST_F(Pipeline, FailUnderIsStatusSix) {
-  const ProcessResult result =
-      run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / "under") + " -q -n 5 --fail-under psnr=99", base_);
+  const ProcessResult result = run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / "under") +
+                                               " -q -n 5 --set mesh.voxel=0.05 --fail-under psnr=99",
+                                           base_);
   EXPECT_EQ(result.status, 6) << result.err;
 }
 

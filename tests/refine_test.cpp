@@ -25,7 +25,7 @@ class RefineCommand : public testing::Test {
  protected:
   static fs::path root() { return fs::path(testing::TempDir()) / "refine_command"; }
   static fs::path original() { return fs::path(testing::TempDir()) / "refine_command_original"; }
-  static void SetUpTestSuite() { testing_support::write_small_scene(original()); }
+  static void SetUpTestSuite() { testing_support::write_small_scene(original(), {.truth = false}); }
   static void TearDownTestSuite() { fs::remove_all(original()); }
   void SetUp() override {
     fs::remove_all(root());

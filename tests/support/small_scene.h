@@ -11,6 +11,7 @@ struct SmallSceneOptions {
   int width = 64, height = 48;
   int views = 8, test_views = 2;
   bool exact = true;
+  bool truth = true;  // without it a run compares nothing with the truth, which takes seconds
 };
 
 inline SynthScene make_small_scene(const SmallSceneOptions& small, ThreadPool& pool) {
@@ -30,6 +31,7 @@ inline void write_small_scene(const std::filesystem::path& folder, const SmallSc
   std::filesystem::remove_all(folder);
   ThreadPool pool;
   write_synth_scene(make_small_scene(small, pool), folder);
+  if (!small.truth) std::filesystem::remove_all(folder / "truth");
 }
 
 }  // namespace aligngs::testing_support
