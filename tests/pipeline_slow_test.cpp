@@ -35,9 +35,9 @@ class Pipeline : public testing::Test {
     fs::remove_all(base_);
     fs::create_directories(base_);
     testing_support::SmallSceneOptions options;
-    options.width = 160;
-    options.height = 120;
-    options.views = 15;
+    options.width = 128;
+    options.height = 96;
+    options.views = 12;
     options.test_views = 3;
     options.exact = false;
     testing_support::write_small_scene(scene(), options);
@@ -137,7 +137,7 @@ TEST_F(Pipeline, CtrlCLeavesAResumableRun) {
   EXPECT_THAT(bytes_of(run / "run.json"), HasSubstr("stopped"));
 }
 
-TEST_F(Pipeline, AnExistingRunIsNotOverwrittenUnasked) {
+TEST_F(Pipeline, AnExistingRunIsReplacedWithOverwriteAlone) {
   const fs::path run = base_ / "again";
   ASSERT_EQ(run_aligngs("train " + quoted(scene()) + " -o " + quoted(run) + " -q -n 3", base_).status, 0);
   EXPECT_EQ(run_aligngs("train " + quoted(scene()) + " -o " + quoted(run) + " -q -n 3", base_).status, 2);

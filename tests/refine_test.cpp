@@ -53,7 +53,7 @@ TEST_F(RefineCommand, WritesASceneThatOpensAndLeavesTheOldOneAlone) {
   EXPECT_THAT(read_file(root() / "refined" / "scene.json"), HasSubstr("cameras_refined"));
 }
 
-TEST_F(RefineCommand, ASceneThatStandsThereIsNotReplacedUnasked) {
+TEST_F(RefineCommand, AnExistingSceneIsReplacedWithOverwriteAlone) {
   ASSERT_EQ(refine("").status, 0);
   EXPECT_EQ(refine("").status, 2);
   EXPECT_EQ(refine("--overwrite").status, 0);

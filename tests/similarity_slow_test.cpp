@@ -46,9 +46,9 @@ TEST(SimilarityInvariance, ScaledAndTurnedSceneGivesTheSameScores) {
   fs::remove_all(base);
   fs::create_directories(base);
   testing_support::SmallSceneOptions options;
-  options.width = 128;
-  options.height = 96;
-  options.views = 16;
+  options.width = 96;
+  options.height = 72;
+  options.views = 14;
   options.test_views = 4;
   testing_support::write_small_scene(base / "scene", options);
   forget_units(base / "scene");
@@ -63,7 +63,7 @@ TEST(SimilarityInvariance, ScaledAndTurnedSceneGivesTheSameScores) {
   const char* names[2] = {"scene", "moved"};
   for (int i = 0; i < 2; ++i) {
     const ProcessResult result = run_aligngs(
-        "run '" + (base / names[i]).string() + "' -o '" + (base / names[i]).string() + "_run' -q --json -n 250", base);
+        "run '" + (base / names[i]).string() + "' -o '" + (base / names[i]).string() + "_run' -q --json -n 150", base);
     ASSERT_EQ(result.status, 0) << result.err;
     metrics[i] = parse_json(result.out);
   }

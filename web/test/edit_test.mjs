@@ -9,7 +9,7 @@ if (!given || !existsSync(given)) skip('no run was given');
 for (const copy of [run, other]) cpSync(given, copy, { recursive: true, filter: (path) => !path.includes('/control') });
 const { server, url } = await serve(program, run);
 await withBrowser(async (browser) => {
-  const { page, complaints, picture, shot, slide, message } = await open(browser, url, { shots, prefix: 'edit_', width: 900, height: 520 });
+  const { page, complaints, picture, shot, slide, message } = await open(browser, url, { shots, prefix: 'edit_', density: 0.5, width: 900, height: 520 });
   await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: 60000 });
   const start = await picture();
   await shot('start');

@@ -38,7 +38,7 @@ TEST(CpuPoseGradient, IsTheFormulaSummedOverTheRows) {
   }
 }
 
-TEST(CpuPoseGradient, DoesNotDependOnThreadsAndIsZeroUnasked) {
+TEST(CpuPoseGradient, DoesNotDependOnThreadsAndIsZeroUnlessAskedFor) {
   SceneOptions o;
   o.gaussians = 2000;
   StepRequest request = make_geometry_request();
