@@ -214,7 +214,7 @@ TEST_F(NetworksTest, SegmentationGivesProbabilitiesOfThePhotograph) {
   plan.window = {28, 28, 20, 20};
   plan.ratios = {1.0, 1.5};
   plan.flip = true;
-  const FeatureMap map = segment(compute_, network, photo, plan);
+  const FeatureMap map = segment(compute_, network, photo, plan, photo.height, photo.width);
   ASSERT_EQ(map.places(), 40 * 30);
   for (int64_t p = 0; p < map.places(); ++p) {
     const float* v = map.data.data() + p * 3;

@@ -1,6 +1,7 @@
 #include "nn/segmentation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "nn/cpu/row_kernels.h"
 #include "nn/ops/resize.h"
@@ -53,26 +54,36 @@ std::vector<int> argmax_channels(const FeatureMap& map) {
 FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network, const FeatureMap& normalised,
                                const SlidingWindow& window, int64_t height, int64_t width) {
   const FeatureMap logits =
-      slide(normalised, window, [&](const FeatureMap& part) { return network.predict(compute, part); });
+      slide(compute, normalised, window, [&](const FeatureMap& part) { return network.predict(compute, part); });
   return resize_bilinear_map(compute, logits, height, width, false);
 }
 
+FeatureMap shown_image(const Image<uint8_t>& photo, const SegmentationPlan& plan, double ratio) {
+  SegmentationResize resize = plan.resize;
+  // mmseg scales the limits, not the image.
+  resize.short_side = int(resize.short_side * ratio);
+  if (resize.long_side < 1 << 20) resize.long_side = int(resize.long_side * ratio);
+  return normalised_image(segmentation_image(photo, resize));
+}
+
 FeatureMap segment(Compute& compute, const SegmentationNetwork& network, const Image<uint8_t>& photo,
-                   const SegmentationPlan& plan) {
-  FeatureMap mean(photo.height, photo.width, network.classes());
+                   const SegmentationPlan& plan, int64_t height, int64_t width) {
+  FeatureMap mean;
   const float share = 1.0f / float(plan.ratios.size() * (plan.flip ? 2 : 1));
   for (const double ratio : plan.ratios) {
-    SegmentationResize resize = plan.resize;
-    // mmseg scales the limits, not the image.
-    resize.short_side = int(resize.short_side * ratio);
-    if (resize.long_side < 1 << 20) resize.long_side = int(resize.long_side * ratio);
-    const FeatureMap image = normalised_image(segmentation_image(photo, resize));
+    const FeatureMap image = shown_image(photo, plan, ratio);
     for (int mirrored = 0; mirrored <= int(plan.flip); ++mirrored) {
       FeatureMap probabilities = segmentation_logits(compute, network, mirrored ? flip_horizontally(image) : image,
-                                                     plan.window, photo.height, photo.width);
+                                                     plan.window, height, width);
       softmax_channels(compute, probabilities);
+      if (share == 1) return probabilities;
       if (mirrored) probabilities = flip_horizontally(probabilities);
-      for (size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += share * probabilities.data[i];
+      if (mean.data.empty()) mean = FeatureMap(height, width, probabilities.channels);
+      compute.for_rows(height, 1, [&](int64_t y, int64_t, Scratch&) {
+        const float* from = std::as_const(probabilities).at(y, 0);
+        float* to = mean.at(y, 0);
+        for (int64_t i = 0; i < width * mean.channels; ++i) to[i] += share * from[i];
+      });
     }
   }
   return mean;

@@ -33,9 +33,11 @@ SegmentationPlan mask2former_plan();
 /// Averaged over windows, at height x width: logits or scores.
 FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network, const FeatureMap& normalised,
                                const SlidingWindow& window, int64_t height, int64_t width);
-/// Probabilities [height, width, classes] at the size of the photograph (RGB of 8 bits).
+/// The photograph (RGB of 8 bits) as the network sees it, `ratio` times the size of the plan.
+FeatureMap shown_image(const Image<uint8_t>& photo, const SegmentationPlan& plan, double ratio);
+/// Probabilities [height, width, classes], averaged over the ratios of the plan and over mirrored images.
 FeatureMap segment(Compute& compute, const SegmentationNetwork& network, const Image<uint8_t>& photo,
-                   const SegmentationPlan& plan);
+                   const SegmentationPlan& plan, int64_t height, int64_t width);
 
 void softmax_channels(Compute& compute, FeatureMap& map);
 /// The channel of the largest value per place; the first of equal ones.

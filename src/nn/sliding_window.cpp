@@ -31,7 +31,7 @@ FeatureMap flip_horizontally(const FeatureMap& map) {
   return out;
 }
 
-FeatureMap slide(const FeatureMap& image, const SlidingWindow& window,
+FeatureMap slide(Compute& compute, const FeatureMap& image, const SlidingWindow& window,
                  const std::function<FeatureMap(const FeatureMap&)>& predict) {
   if (window.crop_height <= 0 || window.crop_width <= 0) return predict(image);
   if (window.stride_height <= 0 || window.stride_width <= 0)
@@ -47,18 +47,22 @@ FeatureMap slide(const FeatureMap& image, const SlidingWindow& window,
     for (const int64_t left : lefts) {
       const FeatureMap part = predict(crop_map(image, top, left, height, width));
       if (sum.data.empty()) sum = FeatureMap(image.height, image.width, part.channels);
-      for (int64_t y = 0; y < height; ++y) {
+      compute.for_rows(height, 1, [&](int64_t y, int64_t, Scratch&) {
         float* to = sum.at(top + y, left);
         const float* from = part.at(y, 0);
         for (int64_t i = 0; i < width * part.channels; ++i) to[i] += from[i];
         for (int64_t x = 0; x < width; ++x) hits[size_t((top + y) * image.width + left + x)] += 1;
-      }
+      });
     }
   }
-  for (int64_t p = 0; p < sum.places(); ++p) {
-    float* v = sum.data.data() + p * sum.channels;
-    for (int64_t c = 0; c < sum.channels; ++c) v[c] /= hits[size_t(p)];
-  }
+  compute.for_rows(sum.height, 1, [&](int64_t y, int64_t, Scratch&) {
+    for (int64_t x = 0; x < sum.width; ++x) {
+      float* values = sum.at(y, x);
+      const float of = hits[size_t(y * sum.width + x)];
+      if (of == 1) continue;
+      for (int64_t c = 0; c < sum.channels; ++c) values[c] /= of;
+    }
+  });
   return sum;
 }
 

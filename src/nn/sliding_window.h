@@ -15,7 +15,7 @@ struct SlidingWindow {
 
 /// `predict` maps a part of the image to values of the same height and width. The last window of a
 /// row or column ends with the image (mmseg's slide_inference).
-FeatureMap slide(const FeatureMap& image, const SlidingWindow& window,
+FeatureMap slide(Compute& compute, const FeatureMap& image, const SlidingWindow& window,
                  const std::function<FeatureMap(const FeatureMap&)>& predict);
 
 FeatureMap crop_map(const FeatureMap& map, int64_t top, int64_t left, int64_t height, int64_t width);

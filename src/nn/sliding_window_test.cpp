@@ -17,25 +17,31 @@ FeatureMap columns(int64_t height, int64_t width) {
   return map;
 }
 
-TEST(SlidingWindow, TheLastWindowEndsWithTheImage) {
+class SlidingWindowTest : public testing::Test {
+ protected:
+  ThreadPool pool{2};
+  Compute compute{pool};
+};
+
+TEST_F(SlidingWindowTest, TheLastWindowEndsWithTheImage) {
   std::vector<float> lefts;
-  slide(columns(4, 10), {4, 4, 3, 3}, [&](const FeatureMap& part) {
+  slide(compute, columns(4, 10), {4, 4, 3, 3}, [&](const FeatureMap& part) {
     EXPECT_EQ(part.width, 4);
     lefts.push_back(part.data[0]);
     return part;
   });
   EXPECT_THAT(lefts, ElementsAre(0, 3, 6));
   lefts.clear();
-  slide(columns(4, 11), {4, 4, 3, 3}, [&](const FeatureMap& part) {
+  slide(compute, columns(4, 11), {4, 4, 3, 3}, [&](const FeatureMap& part) {
     lefts.push_back(part.data[0]);
     return part;
   });
   EXPECT_THAT(lefts, ElementsAre(0, 3, 6, 7));
 }
 
-TEST(SlidingWindow, OverlappingValuesAreAveraged) {
+TEST_F(SlidingWindowTest, OverlappingValuesAreAveraged) {
   int window = 0;
-  const FeatureMap out = slide(columns(1, 6), {1, 4, 1, 2}, [&](const FeatureMap& part) {
+  const FeatureMap out = slide(compute, columns(1, 6), {1, 4, 1, 2}, [&](const FeatureMap& part) {
     FeatureMap same = part;
     for (float& v : same.data) v = float(window);
     ++window;
@@ -44,9 +50,9 @@ TEST(SlidingWindow, OverlappingValuesAreAveraged) {
   EXPECT_THAT(out.data, ElementsAre(0, 0, 0.5f, 0.5f, 1, 1));
 }
 
-TEST(SlidingWindow, AnImageSmallerThanTheWindowIsOneWindow) {
+TEST_F(SlidingWindowTest, AnImageSmallerThanTheWindowIsOneWindow) {
   int calls = 0;
-  slide(columns(3, 5), {10, 10, 5, 5}, [&](const FeatureMap& part) {
+  slide(compute, columns(3, 5), {10, 10, 5, 5}, [&](const FeatureMap& part) {
     ++calls;
     EXPECT_EQ(part.width, 5);
     return part;
@@ -54,11 +60,11 @@ TEST(SlidingWindow, AnImageSmallerThanTheWindowIsOneWindow) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST(SlidingWindow, AWindowWithoutAStrideIsRefused) {
-  EXPECT_THROW(slide(columns(9, 9), {4, 4, 0, 0}, [](const FeatureMap& part) { return part; }), Error);
+TEST_F(SlidingWindowTest, AWindowWithoutAStrideIsRefused) {
+  EXPECT_THROW(slide(compute, columns(9, 9), {4, 4, 0, 0}, [](const FeatureMap& part) { return part; }), Error);
 }
 
-TEST(SlidingWindow, FlippingTwiceChangesNothing) {
+TEST_F(SlidingWindowTest, FlippingTwiceChangesNothing) {
   const FeatureMap map = columns(3, 5);
   EXPECT_EQ(flip_horizontally(flip_horizontally(map)).data, map.data);
   EXPECT_EQ(flip_horizontally(map).data[0], 4);

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include "core/huge_pages.h"
 #include "nn/network_device.h"
 
 namespace aligngs::nn {
@@ -54,6 +55,8 @@ void Values::fetch() const {
   const std::lock_guard<std::mutex> lock(transfer_mutex());
   const uint8_t state = state_;
   if ((state & kHost) != 0) return;
+  host_.reserve(size_);
+  ask_for_huge_pages(host_.data(), size_ * sizeof(float), HugePages::kWhenTouched);
   host_.assign(size_, 0.0f);
   if (state == kDevice && size_ > 0) device_->download(host_.data(), there_.get(), size_);
   state_.store(state | kHost, std::memory_order_release);

@@ -12,6 +12,24 @@
 #include "scene/scene_json.h"
 
 namespace aligngs {
+namespace {
+
+/// A map of classes as its file has it: [classes, height, width] in float16.
+std::vector<uint16_t> halves_by_class(nn::Compute& compute, const nn::FeatureMap& map) {
+  const int64_t places = map.places(), classes = map.channels;
+  constexpr int64_t kChunk = 256;  // places: their values of all classes stay in the second cache
+  std::vector<uint16_t> half(static_cast<size_t>(places * classes));
+  const float* const values = map.data.data();
+  compute.for_rows(places, kChunk, [&](int64_t begin, int64_t count, nn::Scratch&) {
+    for (int64_t c = 0; c < classes; ++c) {
+      for (int64_t p = begin; p < begin + count; ++p)
+        half[size_t(c * places + p)] = float_to_half(values[p * classes + c]);
+    }
+  });
+  return half;
+}
+
+}  // namespace
 
 ScenePriorsReport fill_semantics(const std::filesystem::path& folder, const ModelStore& store,
                                  const PublishedModel& model, const ScenePriorsOptions& options) {
@@ -53,13 +71,7 @@ ScenePriorsReport fill_semantics(const std::filesystem::path& folder, const Mode
     const TeacherMapSize size = teacher->map_size(view.camera.width, view.camera.height);
     const Image<uint8_t> rgb = photo_for_network(view);
     const nn::FeatureMap map = teacher->map(compute, rgb, size.width, size.height);
-    std::vector<uint16_t> half(map.data.size());  // [classes][height][width]
-    const int64_t places = map.places();
-    for (int64_t p = 0; p < places; ++p) {
-      for (int64_t c = 0; c < classes; ++c)
-        half[size_t(c * places + p)] = float_to_half(map.data[size_t(p * classes + c)]);
-    }
-    fill.add_semantics(view.name, {classes, map.height, map.width}, half);
+    fill.add_semantics(view.name, {classes, map.height, map.width}, halves_by_class(compute, map));
     if (const std::optional<SegmentMap> segments = teacher->segments(compute, rgb)) {
       fill.add_segments(view.name, *segments);
       report.segments += segments->list.size();

@@ -29,33 +29,19 @@ class WindowedTeacher : public SemanticTeacher {
 
   nn::FeatureMap map(nn::Compute& compute, const Image<uint8_t>& rgb, int width, int height) const override {
     if (plan_.ratios.size() == 1 && !plan_.flip) {
-      const nn::FeatureMap image = scaled(rgb, plan_.ratios[0]);
+      const nn::FeatureMap image = nn::shown_image(rgb, plan_, plan_.ratios[0]);
       return nn::segmentation_logits(compute, *network_, image, plan_.window, height, width);
     }
-    nn::FeatureMap sum(height, width, network_->classes());
-    const float share = 1.f / float(plan_.ratios.size() * (plan_.flip ? 2 : 1));
-    for (const double ratio : plan_.ratios) {
-      const nn::FeatureMap image = scaled(rgb, ratio);
-      for (int mirrored = 0; mirrored <= int(plan_.flip); ++mirrored) {
-        nn::FeatureMap map = nn::segmentation_logits(
-            compute, *network_, mirrored ? nn::flip_horizontally(image) : image, plan_.window, height, width);
-        nn::softmax_channels(compute, map);
-        if (mirrored) map = nn::flip_horizontally(map);
-        for (size_t i = 0; i < map.data.size(); ++i) sum.data[i] += share * map.data[i];
-      }
-    }
+    nn::FeatureMap map = nn::segment(compute, *network_, rgb, plan_, height, width);
     constexpr float kLeast = 1e-7f;  // of a probability; its logarithm stays within float16
-    for (float& v : sum.data) v = std::log(std::max(v, kLeast));
-    return sum;
+    compute.for_rows(height, 1, [&](int64_t y, int64_t, nn::Scratch&) {
+      float* values = map.at(y, 0);
+      for (int64_t i = 0; i < width * map.channels; ++i) values[i] = std::log(std::max(values[i], kLeast));
+    });
+    return map;
   }
 
  private:
-  nn::FeatureMap scaled(const Image<uint8_t>& rgb, double ratio) const {
-    nn::SegmentationResize resize = plan_.resize;
-    resize.short_side = int(resize.short_side * ratio);
-    return nn::normalised_image(nn::segmentation_image(rgb, resize));
-  }
-
   std::unique_ptr<nn::SegmentationNetwork> network_;
   nn::SegmentationPlan plan_;
   SemanticKind kind_;

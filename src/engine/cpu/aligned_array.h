@@ -10,9 +10,7 @@
 #include <new>
 #include <type_traits>
 
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
+#include "core/huge_pages.h"
 
 namespace aligngs::cpu {
 
@@ -46,9 +44,6 @@ class AlignedArray {
   }
 
  private:
-  /// Large arrays ask for pages of 2 MB: they are read in random order, and 4 kB pages would miss the TLB each time.
-  static constexpr size_t kHugePage = size_t(1) << 21;
-
   struct Free {
     void operator()(T* p) const { std::free(p); }
   };
@@ -59,9 +54,7 @@ class AlignedArray {
     const size_t bytes = (wanted * sizeof(T) + alignment - 1) / alignment * alignment;
     std::unique_ptr<T, Free> fresh(static_cast<T*>(std::aligned_alloc(alignment, bytes)));
     if (!fresh) throw std::bad_alloc();
-#ifdef __linux__
-    if (alignment == kHugePage) madvise(fresh.get(), bytes, MADV_HUGEPAGE);  // a wish: failure changes nothing
-#endif
+    ask_for_huge_pages(fresh.get(), bytes, HugePages::kWhenTouched);
     if (size_ > 0) std::memcpy(static_cast<void*>(fresh.get()), data_.get(), size_ * sizeof(T));
     data_ = std::move(fresh);
     capacity_ = bytes / sizeof(T);

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/huge_pages.h"
 #include "core/steady_seconds.h"
 #include "engine/cpu/adam.h"
 #include "engine/cpu/bf16_packing.h"
-#include "engine/cpu/huge_pages.h"
 #include "engine/cpu/matrix_tiles.h"
 #include "engine/cpu/pose_gradient.h"
 #include "engine/cpu/project.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/huge_pages.h"
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/huge_pages.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/engine_arrays.h"
 #include "engine/formulas/shape_terms.h"

@@ -4,9 +4,9 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/huge_pages.h"
 #include "core/memory_budget.h"
 #include "core/steady_seconds.h"
-#include "engine/cpu/huge_pages.h"
 #include "engine/cpu/tile_products.h"
 
 namespace aligngs::cpu {
