@@ -4,7 +4,7 @@
 #   scalar-only  no vector instruction: the vectorised modules are right without them, as on a processor of another kind
 #   tsan         thread sanitizer: the pool of threads, and the engine that runs on it
 #   clang        clang 14: another compiler's warnings, and its order of floating-point operations
-#   scalar-tsan  the first two at once, for .ci/run, which has little time
+#   scalar-tsan  the first two at once, with clang, for .ci/run, which has little time
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # The thread sanitizer of GCC 12 ends at once where the system places memory in too many random ways.

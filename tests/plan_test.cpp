@@ -128,7 +128,7 @@ TEST_F(PlanCommand, PriorsOfARunLieInTheScenesOfTheRun) {
   fs::remove_all(scene() / "truth");
   install_tiny_networks();
   const auto before = files(scene());
-  const ProcessResult result = run("-n 2 -q --depth linear-s --no-refine --set mesh.voxel=0.1");
+  const ProcessResult result = run("-n 2 -q --depth linear-s --no-refine");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(files(scene()), before);
   const Scene own = open_scene(run_folder() / "scene");

@@ -58,25 +58,29 @@ FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& netw
   return resize_bilinear_map(compute, logits, height, width, false);
 }
 
-FeatureMap shown_image(const Image<uint8_t>& photo, const SegmentationPlan& plan, double ratio) {
-  SegmentationResize resize = plan.resize;
+SegmentationResize SegmentationPlan::resize_at(double ratio) const {
+  SegmentationResize scaled = resize;
   // mmseg scales the limits, not the image.
-  resize.short_side = int(resize.short_side * ratio);
-  if (resize.long_side < 1 << 20) resize.long_side = int(resize.long_side * ratio);
-  return normalised_image(segmentation_image(photo, resize));
+  scaled.short_side = int(resize.short_side * ratio);
+  if (resize.long_side < 1 << 20) scaled.long_side = int(resize.long_side * ratio);
+  return scaled;
+}
+
+FeatureMap shown_image(const Image<uint8_t>& photo, const SegmentationPlan& plan, double ratio) {
+  return normalised_image(segmentation_image(photo, plan.resize_at(ratio)));
 }
 
 FeatureMap segment(Compute& compute, const SegmentationNetwork& network, const Image<uint8_t>& photo,
                    const SegmentationPlan& plan, int64_t height, int64_t width) {
   FeatureMap mean;
-  const float share = 1.0f / float(plan.ratios.size() * (plan.flip ? 2 : 1));
+  const float share = 1.0f / float(plan.images());
   for (const double ratio : plan.ratios) {
     const FeatureMap image = shown_image(photo, plan, ratio);
     for (int mirrored = 0; mirrored <= int(plan.flip); ++mirrored) {
       FeatureMap probabilities = segmentation_logits(compute, network, mirrored ? flip_horizontally(image) : image,
                                                      plan.window, height, width);
       softmax_channels(compute, probabilities);
-      if (share == 1) return probabilities;
+      if (plan.images() == 1) return probabilities;
       if (mirrored) probabilities = flip_horizontally(probabilities);
       if (mean.data.empty()) mean = FeatureMap(height, width, probabilities.channels);
       compute.for_rows(height, 1, [&](int64_t y, int64_t, Scratch&) {

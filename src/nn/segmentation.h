@@ -22,6 +22,11 @@ struct SegmentationPlan {
   SlidingWindow window;
   std::vector<double> ratios = {1.0};  ///< of the resized image; probabilities are averaged
   bool flip = false;                   ///< mirrored as well
+
+  /// Images of one photograph that the network sees.
+  size_t images() const { return ratios.size() * (flip ? 2 : 1); }
+  /// The size of an image at `ratio` times that of the plan.
+  SegmentationResize resize_at(double ratio) const;
 };
 
 /// The published settings: linear heads (crop 512), multi-scale heads (crop 640, with augmentation

@@ -174,9 +174,7 @@ void add_lingbot_memory(MemoryBudget& budget, const nn::Weights& weights, const 
 NetworkInput largest_planned_image(const nn::SegmentationPlan& plan, int photo_width, int photo_height) {
   NetworkInput largest;
   for (const double ratio : plan.ratios) {
-    nn::SegmentationResize resize = plan.resize;
-    resize.short_side = int(resize.short_side * ratio);
-    const nn::ImageSize size = nn::segmentation_size(photo_width, photo_height, resize);
+    const nn::ImageSize size = nn::segmentation_size(photo_width, photo_height, plan.resize_at(ratio));
     if (int64_t(size.width) * size.height > largest.width * largest.height) largest = {size.width, size.height};
   }
   return largest;

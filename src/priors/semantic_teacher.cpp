@@ -28,7 +28,7 @@ class WindowedTeacher : public SemanticTeacher {
   int short_side() const override { return plan_.resize.short_side; }
 
   nn::FeatureMap map(nn::Compute& compute, const Image<uint8_t>& rgb, int width, int height) const override {
-    if (plan_.ratios.size() == 1 && !plan_.flip) {
+    if (plan_.images() == 1) {
       const nn::FeatureMap image = nn::shown_image(rgb, plan_, plan_.ratios[0]);
       return nn::segmentation_logits(compute, *network_, image, plan_.window, height, width);
     }
