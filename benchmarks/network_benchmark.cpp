@@ -1,6 +1,7 @@
 // Time and memory of the full-size networks on random weights, and the speed of their layer types.
-// Usage: network_benchmark layers|vggt|m2f|dpt|da3|eomt [--frames N] [--size WxH] [--threads T] [--fp32]
-//                          [--weights FOLDER]
+// Usage: network_benchmark layers|vggt|m2f|dpt|da3|eomt [--frames N] [--size WxH] [--threads T] [--weights FOLDER]
+//                          [--precision bfloat16|float16|float32] [--instructions all|avx512|avx2|sse4] [--no-onednn]
+// With --instructions the products are the project's own: oneDNN chooses its vectors itself.
 // Missing files of random weights are written to the folder (default: the system's folder for temporary files). Sizes:
 // 2.4 GB for vggt, 3.4 GB for m2f, 0.7 GB for dpt, 0.3 GB for da3, 0.6 GB for eomt.
 #include <time.h>
@@ -15,6 +16,8 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "engine/benchmark/instruction_limit.h"
+#include "engine/benchmark/machine_ceilings.h"
 #include "nn/attention.h"
 #include "nn/cpu/matrix_backend.h"
 #include "nn/da3/da3.h"
@@ -34,7 +37,9 @@ struct Arguments {
   std::string what;
   int64_t frames = 20, width = 0, height = 0;
   int threads = 0;
-  bool exact = false;
+  nn::Precision precision = nn::fastest_precision();
+  bool onednn = true;
+  Instructions instructions = Instructions::kAll;
   fs::path weights = fs::temp_directory_path() / "aligngs_random_weights";
 };
 
@@ -84,9 +89,23 @@ nn::FeatureMap random_image(int64_t width, int64_t height, double low, double hi
   return image;
 }
 
-void report(const char* name, double loading, const Elapsed& running) {
+/// Best rate of products on this machine in GFLOP/s. Arithmetic is that of matrix tiles where the network uses them,
+/// else that of float32. There is no such figure for bfloat16 products of oneDNN without tiles: 0.
+double ceiling_of(nn::Compute& compute) {
+  if (compute.amx()) return measure_amx_gflops(compute.pool());
+  if (compute.matrices()->name() == "oneDNN" && compute.precision() == nn::Precision::kBfloat16) return 0;
+  return measure_fma_gflops(compute.pool());
+}
+
+void report(const char* name, double loading, nn::Compute& compute, const std::function<void()>& work) {
+  const double before = compute.operations(), slower = ceiling_of(compute);
+  const Elapsed running = time_of(work);
+  const double flop = compute.operations() - before, ceiling = std::max(slower, ceiling_of(compute));
   std::printf("%s: loading %.1f s, running %.1f s (%.1f s of processors), peak memory %.2f GB\n", name, loading,
               running.wall, running.processor, peak_gigabytes());
+  std::printf("%.2f TFLOP of products, %.0f GFLOP/s", flop / 1e12, flop / running.wall / 1e9);
+  if (ceiling > 0) std::printf(", %.0f %% of the ceiling of %.0f", flop / running.wall / 1e7 / ceiling, ceiling);
+  std::printf("\n");
 }
 
 void run_vggt(nn::Compute& compute, const Arguments& a) {
@@ -95,16 +114,9 @@ void run_vggt(nn::Compute& compute, const Arguments& a) {
   const double loading = seconds_of([&] { network = std::make_unique<nn::Vggt>(compute, nn::Weights::open(path)); });
   const int64_t width = a.width > 0 ? a.width : 518, height = a.height > 0 ? a.height : 392;
   std::vector<nn::FeatureMap> images(size_t(a.frames), random_image(width, height, 0, 1));
-  double first = 0;
-  const auto start = std::chrono::steady_clock::now();
-  const Elapsed running = time_of([&] {
-    (*network)(compute, std::move(images), {true, true}, [&](int64_t frame, nn::VggtFrame) {
-      if (frame > 0) return;
-      first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    });
+  report("VGGT-1B", loading, compute, [&] {
+    (*network)(compute, std::move(images), {true, true}, [](int64_t, nn::VggtFrame) {});
   });
-  std::printf("first frame done after %.1f s, the others' dense heads %.1f s\n", first, running.wall - first);
-  report("VGGT-1B", loading, running);
 }
 
 void run_mask2former(nn::Compute& compute, const Arguments& a) {
@@ -114,7 +126,7 @@ void run_mask2former(nn::Compute& compute, const Arguments& a) {
       seconds_of([&] { network = std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(path)); });
   const int64_t width = a.width > 0 ? a.width : 896, height = a.height > 0 ? a.height : 896;
   const nn::FeatureMap image = random_image(width, height, -2, 2);
-  report("ViT-g Mask2Former, one window", loading, time_of([&] { network->predict(compute, image); }));
+  report("ViT-g Mask2Former, one window", loading, compute, [&] { network->predict(compute, image); });
 }
 
 void run_dpt(nn::Compute& compute, const Arguments& a) {
@@ -126,7 +138,7 @@ void run_dpt(nn::Compute& compute, const Arguments& a) {
   const double loading = seconds_of([&] { network = nn::make_depth_network(compute, backbone, head); });
   const nn::FeatureMap image = random_image(a.width > 0 ? a.width : 640, a.height > 0 ? a.height : 480, -2, 2);
   (*network)(compute, image);
-  report("ViT-L DPT, one image", loading, time_of([&] { (*network)(compute, image); }));
+  report("ViT-L DPT, one image", loading, compute, [&] { (*network)(compute, image); });
 }
 
 void run_da3(nn::Compute& compute, const Arguments& a) {
@@ -135,16 +147,7 @@ void run_da3(nn::Compute& compute, const Arguments& a) {
   const double loading = seconds_of([&] { network = std::make_unique<nn::Da3>(compute, nn::Weights::open(path)); });
   const int64_t width = a.width > 0 ? a.width : 504, height = a.height > 0 ? a.height : 378;
   const std::vector<nn::FeatureMap> images(size_t(a.frames), random_image(width, height, -2, 2));
-  double first = 0;
-  const auto start = std::chrono::steady_clock::now();
-  const Elapsed running = time_of([&] {
-    (*network)(compute, images, {}, [&](int64_t frame, nn::Da3Frame) {
-      if (frame > 0) return;
-      first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    });
-  });
-  std::printf("first view done after %.1f s, the others' dense heads %.1f s\n", first, running.wall - first);
-  report("DA3-Base", loading, running);
+  report("DA3-Base", loading, compute, [&] { (*network)(compute, images, {}, [](int64_t, nn::Da3Frame) {}); });
 }
 
 void run_eomt(nn::Compute& compute, const Arguments& a) {
@@ -154,21 +157,25 @@ void run_eomt(nn::Compute& compute, const Arguments& a) {
       seconds_of([&] { network = std::make_unique<nn::Eomt>(compute, nn::eomt_weights(WeightFile::open(path))); });
   const int width = a.width > 0 ? int(a.width) : 640, height = a.height > 0 ? int(a.height) : 480;
   const Image<uint8_t> photo(width, height, 3, 128);
-  report("EoMT-L, one photo", loading,
-         time_of([&] { nn::eomt_scores(compute, *network, photo, height / 8, width / 8); }));
+  report("EoMT-L, one photo", loading, compute,
+         [&] { nn::eomt_scores(compute, *network, photo, height / 8, width / 8); });
 }
 
-/// The best of several runs in GFLOP/s.
-void rate(const char* name, double flop, const std::function<void()>& work) {
+/// The best of several runs in GFLOP/s, and its share of the ceiling, which is measured in turn with them.
+void rate(nn::Compute& compute, const char* name, double flop, const std::function<void()>& work) {
   Elapsed best{1e30, 1e30};
+  double ceiling = 0;
   constexpr int kRuns = 5;
   for (int i = 0; i < kRuns; ++i) {
+    ceiling = std::max(ceiling, ceiling_of(compute));
     const Elapsed run = time_of(work);
     best.wall = std::min(best.wall, run.wall);
     best.processor = std::min(best.processor, run.processor);
   }
-  std::printf("%-44s %8.0f GFLOP/s, %6.0f GFLOP per second of a processor\n", name, flop / best.wall / 1e9,
+  std::printf("%-40s %6.0f GFLOP/s, %5.0f GFLOP per second of a processor", name, flop / best.wall / 1e9,
               flop / best.processor / 1e9);
+  if (ceiling > 0) std::printf(", %3.0f %% of the ceiling of %.0f", flop / best.wall / 1e7 / ceiling, ceiling);
+  std::printf("\n");
 }
 
 std::vector<float> random_values(size_t count) {
@@ -179,7 +186,6 @@ std::vector<float> random_values(size_t count) {
 }
 
 void run_layers(nn::Compute& compute) {
-  std::printf("backend %s, matrix unit %s\n", compute.matrices()->name().c_str(), compute.amx() ? "yes" : "no");
   const int64_t rows = 10412;  // tokens of ten frames of 392 x 518
   nn::Matrix x(rows, 1024);
   x.data = random_values(x.data.size());
@@ -189,7 +195,7 @@ void run_layers(nn::Compute& compute) {
     std::vector<float> y(256 * 1024);
     const double flop = 2.0 * 256 * 1024 * 1024;
     const int64_t repeats = 64;
-    rate("product 256 x 1024 x 1024, in the cache", flop * double(repeats), [&] {
+    rate(compute, "product 256 x 1024 x 1024, in the cache", flop * double(repeats), [&] {
       compute.for_rows(repeats, 1, [&](int64_t, int64_t, nn::Scratch& scratch) {
         packed->multiply(x.row(0), 256, scratch.floats(256 * 1024), scratch);
       });
@@ -197,7 +203,13 @@ void run_layers(nn::Compute& compute) {
   }
   const auto linear = [&](const char* name, int64_t outputs) {
     const nn::Linear layer(compute, random_values(size_t(outputs) * 1024), outputs, 1024, {});
-    rate(name, 2.0 * double(rows) * 1024 * double(outputs), [&] { layer(compute, x); });
+    nn::Matrix y(rows, outputs);
+    y.data.data();  // takes its memory before the clock runs, as blocks of a transformer do
+    rate(compute, name, 2.0 * double(rows) * 1024 * double(outputs), [&] {
+      compute.for_rows(rows, 0, [&](int64_t begin, int64_t count, nn::Scratch& scratch) {
+        layer.product(x.row(begin), count, y.row(begin), scratch);
+      });
+    });
   };
   linear("linear 1024 -> 3072", 3072);
   linear("linear 1024 -> 4096", 4096);
@@ -213,13 +225,28 @@ void run_layers(nn::Compute& compute) {
     }
     nn::Matrix out(rows, heads * dim);
     const std::string name = "attention, 16 heads of 64, " + std::to_string(tokens) + " tokens";
-    rate(name.c_str(), 4.0 * double(rows) * double(tokens) * double(heads * dim),
+    rate(compute, name.c_str(), 4.0 * double(rows) * double(tokens) * double(heads * dim),
          [&] { nn::attention(compute, operands, out.data.data()); });
   }
   nn::FeatureMap map(148, 148, 256);
   map.data = random_values(map.data.size());
   const nn::Convolution conv(compute, {256, 256, 3, 1, 1}, random_values(256 * 256 * 9), {});
-  rate("convolution 3x3, 256 -> 256, 148 x 148", 2.0 * 148 * 148 * 256 * 256 * 9, [&] { conv(compute, map); });
+  rate(compute, "convolution 3x3, 256 -> 256, 148 x 148", 2.0 * 148 * 148 * 256 * 256 * 9, [&] { conv(compute, map); });
+}
+
+nn::Precision precision_of(const std::string& name) {
+  for (const nn::Precision precision : nn::kPrecisions) {
+    if (name == nn::name_of(precision)) return precision;
+  }
+  throw_usage("unknown precision " + name);
+}
+
+Instructions instructions_of(const std::string& name) {
+  if (name == "all") return Instructions::kAll;
+  if (name == "avx512") return Instructions::kAvx512;
+  if (name == "avx2") return Instructions::kAvx2;
+  if (name == "sse4") return Instructions::kSse4;
+  throw_usage("unknown instructions " + name);
 }
 
 Arguments parse(int count, char** values) {
@@ -238,8 +265,12 @@ Arguments parse(int count, char** values) {
       a.height = std::stoll(size.substr(size.find('x') + 1));
     } else if (option == "--threads") {
       a.threads = std::stoi(next());
-    } else if (option == "--fp32") {
-      a.exact = true;
+    } else if (option == "--precision") {
+      a.precision = precision_of(next());
+    } else if (option == "--no-onednn") {
+      a.onednn = false;
+    } else if (option == "--instructions") {
+      a.instructions = instructions_of(next());
     } else if (option == "--weights") {
       a.weights = next();
     } else if (a.what.empty() && option[0] != '-') {
@@ -253,10 +284,13 @@ Arguments parse(int count, char** values) {
 
 void run(const Arguments& a) {
   ThreadPool pool(a.threads);
+  const InstructionLimit limit(a.instructions);
   nn::ComputeOptions options;
-  if (!a.exact) options.precision = nn::Precision::kBfloat16;
+  options.precision = a.precision;
+  options.onednn = a.onednn && a.instructions == Instructions::kAll;
   nn::Compute compute(pool, options);
-  std::printf("%d threads, %s\n", pool.size(), a.exact ? "float32" : "bfloat16");
+  std::printf("%d threads, %s, products of %s, matrix unit %s\n", pool.size(), nn::name_of(a.precision),
+              compute.matrices()->name().c_str(), compute.amx() ? "yes" : "no");
   if (a.what == "layers") return run_layers(compute);
   if (a.what == "vggt") return run_vggt(compute, a);
   if (a.what == "m2f") return run_mask2former(compute, a);

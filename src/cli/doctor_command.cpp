@@ -83,13 +83,16 @@ bool on_path(const std::string& program) {
 /// Number format of networks, and its speed.
 Check check_networks() {
   ThreadPool pool(1);
-  const nn::Precision precision = default_precision();
+  const nn::Precision precision = nn::fastest_precision();
   const nn::Compute compute(pool, {precision, true, true});
-  const std::string what = fmt::format("{}, {}{}", precision == nn::Precision::kBfloat16 ? "bfloat16" : "float32",
-                                       compute.matrices()->name(), compute.amx() ? ", matrix unit" : "");
-  const bool slow = compute.matrices()->name() == "portable";
+  const std::string what =
+      fmt::format("{}, {}{}", nn::name_of(precision), compute.matrices()->name(), compute.amx() ? ", matrix unit" : "");
+  bool slow = false;
+#ifdef __x86_64__
+  slow = precision != nn::Precision::kBfloat16 && __builtin_cpu_supports("avx512bf16");
+#endif
   return {"networks", true, what,
-          slow ? "several times slower than with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
+          slow ? "twice as slow as with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
 }
 
 /// Place of each model's weights, and its missing files.

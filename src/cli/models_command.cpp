@@ -135,7 +135,7 @@ constexpr double kShareOfRate = 0.6;
 /// Sizes, licences and expected times of what is to be fetched, before anything is.
 void print_plan(const ModelStore& store, const std::vector<const PublishedModel*>& wanted, int threads) {
   ThreadPool pool(threads);
-  nn::Compute compute(pool, {default_precision(), true, true});
+  nn::Compute compute(pool, {nn::fastest_precision(), true, true});
   const double rate = nn::measure_matrix_rate(compute) * kShareOfRate;
   uint64_t missing = 0;
   std::fprintf(stderr, "%-19s %9s  %-24s %s\n", "model", "size", "a photo on this machine", "licence");

@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 
 #include <fmt/format.h>
+#include <set>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -74,25 +75,26 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
       ->group(group);
   command.add_flag("--per-photo-camera", options->per_photo_camera, "colmap: a camera of its own for each photo")
       ->group(group);
-  command.add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
-      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))
-      ->capture_default_str()
-      ->group(group);
-}
-
-nn::Precision default_precision() {
-#if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
-  __builtin_cpu_init();
-  // Networks were published for bfloat16; without instructions for it float32 is faster.
-  if (__builtin_cpu_supports("avx512bf16")) return nn::Precision::kBfloat16;
-#endif
-  return nn::Precision::kFloat32;
+  add_precision_option(command, options->precision, group);
 }
 
 nn::Precision precision_of(const std::string& name) {
-  if (name == "float32") return nn::Precision::kFloat32;
-  if (name == "bfloat16") return nn::Precision::kBfloat16;
-  return default_precision();
+  for (const nn::Precision precision : nn::kPrecisions) {
+    if (name == nn::name_of(precision)) return precision;
+  }
+  return nn::fastest_precision();
+}
+
+void add_precision_option(CLI::App& command, std::string& precision, const std::string& group) {
+  std::set<std::string> names = {"auto"};
+  for (const nn::Precision each : nn::kPrecisions) names.insert(nn::name_of(each));
+  command
+      .add_option(
+          "--precision", precision,
+          "numbers of the networks: auto, bfloat16, float16 (of weights, else float32; not on a device) or float32")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str()
+      ->group(group);
 }
 
 void warn_of_terms(const PublishedModel& model, const char* purpose) {

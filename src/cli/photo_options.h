@@ -30,9 +30,9 @@ void choose_method(PhotoCommandOptions& options, const ModelStore& store);
 /// A warning where a network that nobody named may not be used in every way.
 void warn_of_terms(const PublishedModel& model, const char* purpose);
 
-/// bfloat16 where the processor multiplies it fast, else float32.
-nn::Precision default_precision();
-/// "float32", "bfloat16", or "auto": the default.
+/// --precision of the commands that run networks.
+void add_precision_option(CLI::App& command, std::string& precision, const std::string& group);
+/// The precision of that name, or for "auto" nn::fastest_precision().
 nn::Precision precision_of(const std::string& name);
 
 ModelStore model_store(const CommandContext& context);

@@ -152,10 +152,7 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
       ->check(CLI::Range(0.0, 99.0))
       ->capture_default_str()
       ->group("Networks");
-  command->add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
-      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))
-      ->capture_default_str()
-      ->group("Networks");
+  add_precision_option(*command, options->precision, "Networks");
   command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")
       ->check(positive_number())
       ->group("Machine");

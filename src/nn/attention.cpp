@@ -12,7 +12,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr int64_t kKeyBlock = 256;  // scores of 16 queries: 16 KB, which stay in the first cache
+constexpr int64_t kKeyBlock = 256;  // scores of two panels of queries: 32 KB, which stay in the first or second cache
 constexpr float kLog2e = 1.44269504f;
 constexpr float kNever = -1e30f;  // a score that weighs nothing; finite, so that differences are
 
@@ -20,7 +20,7 @@ int64_t round_up(int64_t n, int64_t unit) { return (n + unit - 1) / unit * unit;
 
 }  // namespace
 
-// Layouts, per sequence and head. Portable: queries [queries/16][dim][16], keys [keys][dim], values
+// Layouts, per sequence and head. In vectors: queries [queries/16][dim][16], keys [keys][dim], values
 // [keys/256][dim][256]. Matrix unit: see amx_attention.h.
 AttentionOperands::AttentionOperands(const Compute& compute, const AttentionShape& shape)
     : shape_(shape),
@@ -35,8 +35,19 @@ AttentionOperands::AttentionOperands(const Compute& compute, const AttentionShap
   queries_ = AlignedBytes(streams * size_t(padded_queries_) * dim * item);
   keys_ = AlignedBytes(streams * size_t(padded_keys_) * dim * item);
   values_ = AlignedBytes(streams * size_t(padded_keys_) * dim * item);
-  // Padding has to be finite: it is multiplied by zero.
-  for (AlignedBytes* bytes : {&queries_, &keys_, &values_}) std::memset(bytes->get(), 0, bytes->size());
+  // Padding has to be finite: it is multiplied by zero. The matrix unit pads dimensions as well, between other bytes.
+  // Else padding lies in the last panel of queries and the last block of values.
+  if (amx_) {
+    for (AlignedBytes* bytes : {&queries_, &keys_, &values_}) std::memset(bytes->get(), 0, bytes->size());
+    return;
+  }
+  const auto clear_last = [&](AlignedBytes& bytes, int64_t count, int64_t padded, int64_t unit) {
+    if (count == padded) return;
+    const size_t stream = size_t(padded) * dim * item, last = size_t(unit) * dim * item;
+    for (size_t s = 1; s <= streams; ++s) std::memset(bytes.get() + s * stream - last, 0, last);
+  };
+  clear_last(queries_, shape.queries, padded_queries_, kPanel);
+  clear_last(values_, shape.keys, padded_keys_, kKeyBlock);
 }
 
 void AttentionOperands::set_query(int64_t sequence, int64_t head, int64_t index, const float* x) {
@@ -86,14 +97,24 @@ void AttentionOperands::set_value_row(int64_t sequence, int64_t index, const flo
   for (int64_t h = 0; h < shape_.heads; ++h) set_value(sequence, h, index, x + h * shape_.head_dim);
 }
 
-void AttentionOperands::attend_portable(int64_t stream, int64_t first, int64_t count, const uint8_t* masked, float* out,
-                                        Scratch& scratch) const {
+void AttentionOperands::hide_keys(const Range& keys, const Range& queries, const uint8_t* masked, float* scores) const {
+  for (int64_t i = 0; i < queries.count; ++i) {
+    const uint8_t* row = masked + (queries.begin + i) * shape_.keys + keys.begin;
+    for (int64_t j = 0; j < keys.count; ++j) {
+      if (row[j]) scores[j * kPanel + i] = kNever;
+    }
+  }
+}
+
+void AttentionOperands::attend_in_vectors(int64_t stream, int64_t first, int64_t count, const uint8_t* masked,
+                                          float* out, Scratch& scratch) const {
   const int64_t dim = padded_dim_;
   const float* q = reinterpret_cast<const float*>(queries_.get()) + stream * padded_queries_ * dim;
   const float* k = reinterpret_cast<const float*>(keys_.get()) + stream * padded_keys_ * dim;
   const float* v = reinterpret_cast<const float*>(values_.get()) + stream * padded_keys_ * dim;
   const int64_t panels = round_up(count, kPanel) / kPanel;
-  float* scores = scratch.floats(size_t(kKeyBlock * kPanel));
+  constexpr int64_t kPanelScores = kKeyBlock * kPanel;
+  float* scores = scratch.floats(size_t(kJoinedPanels * kPanelScores));
   float* most = scratch.floats(size_t(panels * kPanel));
   float* total = scratch.floats(size_t(panels * kPanel));
   float* sums = scratch.floats(size_t(panels * dim * kPanel));
@@ -102,19 +123,17 @@ void AttentionOperands::attend_portable(int64_t stream, int64_t first, int64_t c
   std::fill_n(sums, panels * dim * kPanel, 0.0f);
   for (int64_t begin = 0; begin < shape_.keys; begin += kKeyBlock) {
     const int64_t n = std::min(kKeyBlock, shape_.keys - begin);
-    for (int64_t p = 0; p < panels; ++p) {
-      multiply_panel({k + begin * dim, dim, n, dim, q + (first + p * kPanel) * dim, scores, kPanel, false});
-      if (masked) {
-        for (int64_t i = 0; i < std::min(kPanel, count - p * kPanel); ++i) {
-          const uint8_t* row = masked + (first + p * kPanel + i) * shape_.keys + begin;
-          for (int64_t j = 0; j < n; ++j) {
-            if (row[j]) scores[j * kPanel + i] = kNever;
-          }
-        }
+    for (int64_t p = 0; p < panels; p += kJoinedPanels) {
+      const int64_t joined = std::min(kJoinedPanels, panels - p), size = dim * kPanel;
+      multiply_panels({k + begin * dim, dim, n, dim, q + first * dim + p * size, size, joined, scores, kPanel,
+                       kPanelScores, false});
+      for (int64_t i = p; i < p + joined; ++i) {
+        float* const own = scores + (i - p) * kPanelScores;
+        if (masked) hide_keys({begin, n}, {first + i * kPanel, std::min(kPanel, count - i * kPanel)}, masked, own);
+        softmax_step({own, n, most + i * kPanel, total + i * kPanel, sums + i * size, dim});
       }
-      float* panel_sums = sums + p * dim * kPanel;
-      softmax_step({scores, n, most + p * kPanel, total + p * kPanel, panel_sums, dim});
-      multiply_panel({v + begin * dim, kKeyBlock, dim, n, scores, panel_sums, kPanel, true});
+      multiply_panels(
+          {v + begin * dim, kKeyBlock, dim, n, scores, kPanelScores, joined, sums + p * size, kPanel, size, true});
     }
   }
   const int64_t width = shape_.heads * dim;
@@ -144,7 +163,7 @@ void attention(Compute& compute, const AttentionOperands& operands, float* out, 
   if ((shape.masks > 0) != (masked != nullptr))
     throw Error({ErrorKind::kFailed, "a mask is given or missing against the shape", {}, "attention", ""});
   // Queries that share each block of keys while it is in the cache.
-  constexpr int64_t kQueryBlock = 256, kFewQueries = 64;
+  constexpr int64_t kQueryBlock = 256, kFewQueries = 128;
   const int64_t block = operands.amx_ ? kQueryBlock : kFewQueries;
   const int64_t blocks = (shape.queries + block - 1) / block;
   const int64_t streams = shape.sequences * shape.heads;
@@ -153,12 +172,13 @@ void attention(Compute& compute, const AttentionOperands& operands, float* out, 
     const int64_t sequence = stream / shape.heads, head = stream % shape.heads;
     const int64_t count = std::min(block, shape.queries - first);
     float* to = out + ((sequence * shape.queries + first) * shape.heads + head) * shape.head_dim;
+    scratch.count_operations(4.0 * double(count) * double(shape.keys) * double(shape.head_dim));
     if (operands.amx_) {
       operands.attend_amx(stream, first, count, to, scratch);
     } else {
       const int64_t mask = sequence * shape.masks + (shape.masks > 1 ? head : 0);
       const uint8_t* own = masked ? masked + mask * shape.queries * shape.keys : nullptr;
-      operands.attend_portable(stream, first, count, own, to, scratch);
+      operands.attend_in_vectors(stream, first, count, own, to, scratch);
     }
   });
 }

@@ -36,8 +36,13 @@ class AttentionOperands {
 
  private:
   friend void attention(Compute&, const AttentionOperands&, float*, const uint8_t*);
-  void attend_portable(int64_t stream, int64_t first, int64_t count, const uint8_t* masked, float* out,
-                       Scratch& scratch) const;
+  struct Range {
+    int64_t begin, count;
+  };
+  /// The scores [keys, 16] of masked keys become so low that they weigh nothing.
+  void hide_keys(const Range& keys, const Range& queries, const uint8_t* masked, float* scores) const;
+  void attend_in_vectors(int64_t stream, int64_t first, int64_t count, const uint8_t* masked, float* out,
+                         Scratch& scratch) const;
   void attend_amx(int64_t stream, int64_t first, int64_t count, float* out, Scratch& scratch) const;
 
   AttentionShape shape_;

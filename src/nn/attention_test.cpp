@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "nn/tensor.h"
+#include "nn/testing/vector_limit.h"
 #include "nn/testing/weights.h"
 
 namespace aligngs::nn {
@@ -85,6 +86,19 @@ TEST(Attention, Float32IsItsDefinition) {
   for (const AttentionShape& shape : kShapes) {
     const Inputs inputs(shape);
     expect_near(inputs.blocked(compute), inputs.plain(), 2e-6f);
+  }
+}
+
+TEST(Attention, EveryVectorWidthIsNear) {
+  ThreadPool pool(2);
+  for (const int64_t target : vector_targets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    const VectorLimit limit(target);
+    Compute compute(pool);
+    for (const AttentionShape& shape : kShapes) {
+      const Inputs inputs(shape);
+      expect_near(inputs.blocked(compute), inputs.plain(), 2e-6f);
+    }
   }
 }
 

@@ -12,8 +12,20 @@
 namespace aligngs::nn {
 
 /// Precision of the operands of matrix products and of attention. Sums, normalisations and the residual stream are
-/// float32 in both.
-enum class Precision { kFloat32, kBfloat16 };
+/// float32 in each.
+enum class Precision {
+  kFloat32,
+  kBfloat16,
+  kFloat16  ///< weights alone; what they are multiplied with and attention are float32. Not for devices.
+};
+
+inline constexpr Precision kPrecisions[] = {Precision::kFloat32, Precision::kBfloat16, Precision::kFloat16};
+
+/// Bytes of a weight of a matrix, and of a number that it is multiplied with.
+constexpr uint64_t bytes_of_weight(Precision precision) { return precision == Precision::kFloat32 ? 4 : 2; }
+constexpr uint64_t bytes_of_operand(Precision precision) { return precision == Precision::kBfloat16 ? 2 : 4; }
+/// "float32", "bfloat16" or "float16".
+const char* name_of(Precision precision);
 
 /// Uninitialised memory on a 64-byte boundary.
 class AlignedBytes {
@@ -52,9 +64,14 @@ class Scratch {
   float* floats(size_t count) { return static_cast<float*>(bytes(count * sizeof(float))); }
   uint16_t* halves(size_t count) { return static_cast<uint16_t*>(bytes(count * sizeof(uint16_t))); }
 
+  /// Additions and multiplications of products that were done with this stack, for benchmarks.
+  void count_operations(double operations) { operations_ += operations; }
+  double operations() const { return operations_; }
+
  private:
   std::vector<AlignedBytes> buffers_;
   size_t used_ = 0;
+  double operations_ = 0;
 };
 
 class MatrixBackend;  // cpu/matrix_backend.h
@@ -66,10 +83,16 @@ using DeviceFactory = std::function<std::shared_ptr<NetworkDevice>()>;
 /// The resources of this machine that may be used.
 struct ComputeOptions {
   Precision precision = Precision::kFloat32;
-  bool onednn = true;                               ///< when built with it; otherwise the portable kernels
+  bool onednn = true;                               ///< for bfloat16, see fastest_precision()
   bool amx = true;                                  ///< when the processor has it
   std::shared_ptr<NetworkDevice> device = nullptr;  ///< runs the operators; none: the processor does
 };
+
+/// bfloat16 where the processor has instructions for it and oneDNN was built in, which uses them; else float16.
+Precision fastest_precision();
+
+/// Rows of a chunk when so many threads multiply `rows` rows with weights.
+int64_t product_rows(int64_t rows, int64_t threads);
 
 class Compute {
  public:
@@ -89,9 +112,11 @@ class Compute {
   /// The same in float32, for the few places that rounding would move far.
   const std::shared_ptr<MatrixBackend>& exact_matrices() const { return exact_matrices_; }
   Scratch& scratch(int worker) { return scratch_[static_cast<size_t>(worker)]; }
+  /// Additions and multiplications of all matrix products and of attention so far, on the processor.
+  double operations() const;
 
-  /// Calls body(first row, number of rows, scratch) on chunks that depend on `rows` alone, so that
-  /// results do not depend on the number of threads. chunk == 0: chosen for products of matrices.
+  /// Calls body(first row, number of rows, scratch) on chunks. chunk == 0: chosen for products of matrices, such that
+  /// results do not depend on the number of threads.
   void for_rows(int64_t rows, int64_t chunk, const std::function<void(int64_t, int64_t, Scratch&)>& body);
 
  private:

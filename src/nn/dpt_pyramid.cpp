@@ -16,10 +16,26 @@ constexpr float kEmbeddingRatio = 0.1f;  // of the uv embedding
 
 }  // namespace
 
-void add_uv_embedding(FeatureMap& x, double aspect) {
-  FeatureMap uv = uv_embedding(x.height, x.width, x.channels, aspect);
-  for (float& v : uv.data) v *= kEmbeddingRatio;
-  add_values(x.data, uv.data);
+void add_uv_embedding(Compute& compute, FeatureMap& x, double aspect) {
+  if (compute.device()) {
+    FeatureMap uv = uv_embedding(x.height, x.width, x.channels, aspect);
+    for (float& v : uv.data) v *= kEmbeddingRatio;
+    add_values(x.data, uv.data);
+    return;
+  }
+  const UvAxes axes = uv_axes(x.height, x.width, x.channels, aspect);
+  const int64_t half = axes.x.columns;
+  float* const values = x.data.data();
+  compute.for_rows(x.height, 1, [&](int64_t y, int64_t, Scratch&) {
+    float* to = values + y * x.width * x.channels;
+    for (int64_t column = 0; column < x.width; ++column, to += x.channels) {
+      const float *const of_x = axes.x.row(column), *const of_y = axes.y.row(y);
+      for (int64_t c = 0; c < half; ++c) {
+        to[c] += kEmbeddingRatio * of_x[c];
+        to[half + c] += kEmbeddingRatio * of_y[c];
+      }
+    }
+  });
 }
 
 DptPyramid::DptPyramid(const Compute& compute, const Weights& weights, const Options& options)
@@ -46,7 +62,7 @@ std::vector<FeatureMap> DptPyramid::operator()(Compute& compute, std::vector<Fea
     const int64_t height = map.height, width = map.width;
     if (options_.normed_and_placed) map = FeatureMap(height, width, norm_(compute, std::move(map).take_rows()));
     map = levels_[j].project(compute, map);
-    if (options_.normed_and_placed) add_uv_embedding(map, aspect);
+    if (options_.normed_and_placed) add_uv_embedding(compute, map, aspect);
     out.push_back(levels_[j].features(compute, levels_[j].resize(compute, std::move(map))));
   }
   return out;

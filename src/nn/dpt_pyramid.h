@@ -53,6 +53,6 @@ class DptFusion {
 };
 
 /// x += 0.1 uv embedding of its own grid.
-void add_uv_embedding(FeatureMap& x, double aspect);
+void add_uv_embedding(Compute& compute, FeatureMap& x, double aspect);
 
 }  // namespace aligngs::nn

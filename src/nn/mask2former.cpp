@@ -27,9 +27,8 @@ void add_and_norm(Compute& compute, Matrix& x, const Matrix& update, const Layer
 
 Mask2Former::Mask2Former(Compute& compute, const Weights& weights, const Mask2FormerOptions& options)
     : backbone_(compute, weights.sub("backbone."), options.adapter) {
-  ComputeOptions exact;
-  exact.onednn = compute.matrices()->name() != "portable";
-  exact.device = compute.options().device;
+  ComputeOptions exact = compute.options();
+  exact.precision = Precision::kFloat32;
   exact_ = std::make_unique<Compute>(compute.pool(), exact);
   const Weights head = weights.sub("decode_head.");
   pixel_decoder_ = std::make_unique<PixelDecoder>(compute, head.sub("pixel_decoder."),

@@ -4,7 +4,6 @@
 #include <mutex>
 #include <utility>
 
-#include "core/huge_pages.h"
 #include "nn/network_device.h"
 
 namespace aligngs::nn {
@@ -18,7 +17,9 @@ std::mutex& transfer_mutex() {
 
 }  // namespace
 
-Values::Values(std::vector<float> values) : size_(values.size()), host_(std::move(values)), state_(kHost) {}
+Values::Values(const std::vector<float>& values) : size_(values.size()), host_(values.size()), state_(kHost) {
+  std::copy(values.begin(), values.end(), host_.data());
+}
 
 Values::Values(const Values& other) : size_(other.size_) {
   if (other.state_ == kDevice) {  // stays there
@@ -27,7 +28,8 @@ Values::Values(const Values& other) : size_(other.size_) {
     device_->copy(there_.get(), other.there_.get(), size_);
     state_ = kDevice;
   } else if (other.state_ != kNowhere) {
-    host_ = other.host_;
+    host_ = HostFloats(size_);
+    std::copy_n(other.host_.data(), size_, host_.data());
     state_ = kHost;
   }
 }
@@ -43,7 +45,6 @@ Values& Values::operator=(Values&& other) noexcept {
   if (this == &other) return *this;
   size_ = std::exchange(other.size_, 0);
   host_ = std::move(other.host_);
-  other.host_.clear();
   there_ = std::move(other.there_);
   other.there_.reset();
   device_ = std::exchange(other.device_, nullptr);
@@ -55,9 +56,7 @@ void Values::fetch() const {
   const std::lock_guard<std::mutex> lock(transfer_mutex());
   const uint8_t state = state_;
   if ((state & kHost) != 0) return;
-  host_.reserve(size_);
-  ask_for_huge_pages(host_.data(), size_ * sizeof(float), HugePages::kWhenTouched);
-  host_.assign(size_, 0.0f);
+  host_ = HostFloats(size_);
   if (state == kDevice && size_ > 0) device_->download(host_.data(), there_.get(), size_);
   state_.store(state | kHost, std::memory_order_release);
 }
@@ -96,7 +95,7 @@ float* Values::change_on(NetworkDevice& device) {
     on(device);
   }
   state_ = kDevice;
-  std::vector<float>().swap(host_);
+  host_.release();
   return there_.get();
 }
 
@@ -105,7 +104,7 @@ float* Values::write_on(NetworkDevice& device) {
   if ((state_ & kDevice) == 0 || device_ != &device) there_ = device.allocate(size_);
   device_ = &device;
   state_ = kDevice;
-  std::vector<float>().swap(host_);
+  host_.release();
   return there_.get();
 }
 

@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "nn/host_floats.h"
+
 namespace aligngs::nn {
 
 class NetworkDevice;
@@ -27,7 +29,7 @@ class Values {
 
   Values() = default;
   explicit Values(size_t size) : size_(size) {}  ///< zeros, which need memory only once something looks at them
-  Values(std::vector<float> values);
+  Values(const std::vector<float>& values);
   Values(std::initializer_list<float> values) : Values(std::vector<float>(values)) {}
   Values(const Values& other);
   Values(Values&& other) noexcept;
@@ -50,10 +52,7 @@ class Values {
   float* end() { return data() + size_; }
   float operator[](size_t i) const { return data()[i]; }
   float& operator[](size_t i) { return data()[i]; }
-  operator const std::vector<float>&() const {
-    data();
-    return host_;
-  }
+  operator std::vector<float>() const { return {begin(), end()}; }
   friend bool operator==(const Values& a, const Values& b);
 
   /// The device that alone has the current floats, or null.
@@ -72,7 +71,7 @@ class Values {
   void own_host();
 
   size_t size_ = 0;
-  mutable std::vector<float> host_;
+  mutable HostFloats host_;
   mutable std::shared_ptr<float> there_;
   mutable NetworkDevice* device_ = nullptr;  ///< of `there_`
   mutable std::atomic<uint8_t> state_{kNowhere};

@@ -7,10 +7,7 @@
 namespace aligngs::nn {
 
 Vggt::Vggt(Compute& compute, const Weights& weights, const VggtOptions& options) : layers_(options.layers) {
-  ComputeOptions exact;
-  exact.precision = Precision::kFloat32;
-  exact.onednn = compute.matrices()->name() != "portable";
-  exact_ = std::make_unique<Compute>(compute.pool(), exact);
+  exact_ = std::make_unique<Compute>(compute.pool());
   aggregator_.emplace(compute, weights.sub("aggregator."), options.heads);
   camera_head_.emplace(*exact_, weights.sub("camera_head."), options.camera_heads);
   if (weights.has("depth_head.norm.weight"))

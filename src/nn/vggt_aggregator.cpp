@@ -77,11 +77,11 @@ AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<Featur
     const bool wanted = std::find(keep.begin(), keep.end(), int(layer)) != keep.end();
     if (wanted) {
       joined = Matrix(x.rows, 2 * c);
-      copy_block(joined.data, {0, 2 * c}, x.data, {0, c}, x.rows, c);
+      copy_block(compute, joined.data, {0, 2 * c}, x.data, {0, c}, x.rows, c);
     }
     global_blocks_[layer].forward(compute, x, 1, &places);
     if (!wanted) continue;
-    copy_block(joined.data, {c, 2 * c}, x.data, {0, c}, x.rows, c);
+    copy_block(compute, joined.data, {c, 2 * c}, x.data, {0, c}, x.rows, c);
     for (size_t k = 0; k < keep.size(); ++k) {
       if (keep[k] == int(layer)) out.layers[k] = joined;
     }

@@ -94,14 +94,14 @@ FeatureMap VggtDenseHead::operator()(Compute& compute, const AggregatedTokens& t
   for (size_t j = 0; j < std::min(kLevels, tokens.layers.size()); ++j) {
     const Matrix& layer = tokens.layers[j];
     FeatureMap map(tokens.grid_height, tokens.grid_width, layer.columns);
-    copy_block(map.data, {}, layer.data, {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
+    copy_block(compute, map.data, {}, layer.data, {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
                map.places() * layer.columns);
     levels.push_back(std::move(map));
   }
   FeatureMap out = fusion_(compute, pyramid_(compute, std::move(levels), aspect));
   out = output1_(compute, out);
   out = resize_bilinear_map(compute, out, tokens.grid_height * kPatch, tokens.grid_width * kPatch, true);
-  add_uv_embedding(out, aspect);
+  add_uv_embedding(compute, out, aspect);
   out = output3_(compute, output2_(compute, out, {false, Activation::kRelu}));
   for (int64_t i = 0; i < out.places(); ++i) {
     float* v = out.data.data() + i * out.channels;

@@ -99,8 +99,7 @@ Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
 void add_da3_memory(MemoryBudget& budget, const nn::Weights& file, nn::Precision precision, size_t frames, int width,
                     int height) {
   const nn::Weights weights = nn::da3_part(file, "da3");
-  const uint64_t matrix_bytes = precision == nn::Precision::kBfloat16 ? 2 : 4;
-  budget.add("weights of the network", weight_bytes(weights, matrix_bytes));
+  budget.add("weights of the network", weight_bytes(weights, nn::bytes_of_weight(precision)));
   const auto channels = uint64_t(weights.dimension("backbone.pretrained.cls_token", 2));
   const auto features = uint64_t(weights.dimension("head.scratch.layer1_rn.weight", 0));
   const auto token = uint64_t(weights.dimension("head.projects.0.weight", 1));
@@ -109,7 +108,7 @@ void add_da3_memory(MemoryBudget& budget, const nn::Weights& file, nn::Precision
   constexpr uint64_t kKept = 4, kStream = 2;  // layers for the dense head; copies of the stream
   budget.add("tokens kept for the dense head", kKept * tokens * token * 4);
   // The head begins when the tokens are done: the larger of the two counts.
-  const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4);
+  const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * nn::bytes_of_operand(precision) + 4);
   const uint64_t dense = kDensePerFeature * features * pixels;
   budget.add(in_work > dense ? "tokens in work" : "one view in the dense head", std::max(in_work, dense));
   constexpr uint64_t kMapsPerPixel = 3 + 12 + 8;  // input as bytes and as floats; depth and confidence
@@ -120,7 +119,7 @@ void add_da3_metric_memory(MemoryBudget& budget, const nn::Weights& file, nn::Pr
                            int width, int height) {
   const nn::Weights weights = nn::da3_part(file, "da3_metric");
   const uint64_t pixels = uint64_t(width) * uint64_t(height);
-  budget.add("weights of the metric network", weight_bytes(weights, precision == nn::Precision::kBfloat16 ? 2 : 4));
+  budget.add("weights of the metric network", weight_bytes(weights, nn::bytes_of_weight(precision)));
   budget.add("one photo in its dense head",
              kDensePerFeature * uint64_t(weights.dimension("head.scratch.layer1_rn.weight", 0)) * pixels);
   constexpr uint64_t kMapsPerPixel = 3 + 8;  // input as bytes; depth and sky as floats

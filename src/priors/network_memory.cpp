@@ -14,9 +14,7 @@ constexpr int64_t kPatch = 14;  // pixels, of every DINOv2
 constexpr double kAllocatorShare = 0.15;
 constexpr uint64_t kProgram = 50'000'000;  // bytes: code, libraries, photos on their way
 
-uint64_t matrix_bytes(const NetworkMemoryOptions& options) {
-  return options.precision == nn::Precision::kBfloat16 ? 2 : kFloat;
-}
+uint64_t operand_bytes(const NetworkMemoryOptions& options) { return nn::bytes_of_operand(options.precision); }
 
 uint64_t round_up(int64_t n, int64_t unit) { return uint64_t((n + unit - 1) / unit * unit); }
 
@@ -29,7 +27,7 @@ uint64_t weight_bytes(const nn::Weights& weights, const NetworkMemoryOptions& op
   for (const std::string& name : weights.names()) {
     uint64_t count = 1;
     for (const int64_t n : weights.shape(name)) count *= uint64_t(n);
-    bytes += count * (exact(name) ? kFloat : matrix_bytes(options));
+    bytes += count * (exact(name) ? kFloat : nn::bytes_of_weight(options.precision));
   }
   return bytes;
 }
@@ -40,13 +38,13 @@ bool never(const std::string&) { return false; }
 /// widest layer for each thread.
 uint64_t transformer_bytes(const nn::Weights& backbone, uint64_t tokens, uint64_t kept_layers,
                            const NetworkMemoryOptions& options) {
-  constexpr uint64_t kStream = 3, kOperands = 3, kRows = 256;  // rows: nn::Compute::for_rows
+  constexpr uint64_t kStream = 3, kOperands = 3, kRows = 288;  // rows: nn::product_rows
   const auto channels = uint64_t(backbone.dimension("cls_token", 2));
   uint64_t widest = 4 * channels;
   if (backbone.has("blocks.0.mlp.w12.weight"))
     widest = uint64_t(backbone.dimension("blocks.0.mlp.w12.weight", 0)) * 3 / 2;  // and its gated half
   const uint64_t rows = uint64_t(options.threads) * kRows * (widest + 4 * channels) * kFloat;
-  return tokens * channels * ((kStream + kept_layers) * kFloat + kOperands * matrix_bytes(options)) + rows;
+  return tokens * channels * ((kStream + kept_layers) * kFloat + kOperands * operand_bytes(options)) + rows;
 }
 
 void add_overhead(MemoryBudget& budget, uint64_t work_bytes) {
@@ -83,7 +81,7 @@ void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights, co
   // and the operand of the convolution between them.
   constexpr uint64_t kCopies = 3;
   const uint64_t maps = (quarter + coarser) * channels * kFloat;
-  const uint64_t decoder = features * (kCopies * coarser * kFloat + quarter * (2 * kFloat + matrix_bytes(options)));
+  const uint64_t decoder = features * (kCopies * coarser * kFloat + quarter * (2 * kFloat + operand_bytes(options)));
   budget.add("maps of the backbone", maps);
   budget.add("maps of the pixel decoder", decoder);
   const uint64_t rest = transformer_bytes(backbone, tokens, 0, options);
@@ -123,7 +121,7 @@ void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone,
     const auto input = uint64_t(head.dimension("decode_head.conv_depth.head.0.weight", 0));
     const auto output = uint64_t(head.dimension("decode_head.conv_depth.head.2.weight", 0));
     constexpr uint64_t kFinest = 256, kLevels = 22;
-    per_place = kFinest * (input * (kFloat + matrix_bytes(options)) + output * kFloat) + kLevels * features * kFloat;
+    per_place = kFinest * (input * (kFloat + operand_bytes(options)) + output * kFloat) + kLevels * features * kFloat;
   }
   constexpr uint64_t kImages = 5;  // photo, normalised, padded, depth twice: floats per pixel
   const uint64_t pixels = uint64_t(image.width) * uint64_t(image.height);

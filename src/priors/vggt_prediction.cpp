@@ -33,13 +33,12 @@ VggtInputs vggt_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
 
 void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision, size_t frames,
                      int width, int height) {
-  const uint64_t matrix_bytes = precision == nn::Precision::kBfloat16 ? 2 : 4;
   uint64_t weight_bytes = 0;
   for (const std::string& name : weights.names()) {
     if (name.rfind("track_head.", 0) == 0) continue;
     uint64_t count = 1;
     for (const int64_t n : weights.shape(name)) count *= uint64_t(n);
-    weight_bytes += count * (name.rfind("camera_head.", 0) == 0 ? 4 : matrix_bytes);
+    weight_bytes += count * (name.rfind("camera_head.", 0) == 0 ? 4 : nn::bytes_of_weight(precision));
   }
   budget.add("weights of the network", weight_bytes);
   const auto channels = uint64_t(weights.dimension("aggregator.camera_token", 3));
@@ -49,7 +48,7 @@ void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Preci
   constexpr uint64_t kKept = 4, kStream = 3;  // layers for the dense heads; copies of the stream
   budget.add("tokens kept for the dense heads", kKept * tokens * 2 * channels * 4);
   // The heads begin when the tokens are done: the larger of the two counts.
-  const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4);
+  const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * nn::bytes_of_operand(precision) + 4);
   constexpr uint64_t kDensePerPixel = 2200;  // bytes: the widest maps of a dense head
   const uint64_t dense = kDensePerPixel * uint64_t(width) * uint64_t(height);
   budget.add(in_work > dense ? "tokens in work" : "one frame in the dense head", std::max(in_work, dense));

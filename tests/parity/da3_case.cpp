@@ -165,7 +165,7 @@ void run_da3(Case& test, nn::Compute& compute) {
 
   std::vector<nn::FeatureMap> depth, rays;
   for (int64_t v = 0; v < views; ++v) {
-    nn::Da3DualHead::Output dense = network.head()(compute, tokens.maps_of(v), height, width, true);
+    nn::Da3DualHead::Output dense = network.head()(compute, tokens.maps_of(compute, v), height, width, true);
     depth.push_back(std::move(dense.depth));
     rays.push_back(std::move(dense.rays));
   }

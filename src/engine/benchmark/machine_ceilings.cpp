@@ -19,11 +19,14 @@ namespace aligngs {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Ten chains hide a latency of four to five cycles on two units. Returns the multiply-adds done.
+/// Ten chains hide a latency of four to five cycles on two units. Each begins with a number of its own: the compiler
+/// makes one chain of equal ones. Returns the multiply-adds done.
 double FmaBurn(size_t rounds, float* result) {
   const HWY_FULL(float) d;
   const auto a = hn::Set(d, 0.999f), b = hn::Set(d, 1e-3f);
-  auto c0 = b, c1 = b, c2 = b, c3 = b, c4 = b, c5 = b, c6 = b, c7 = b, c8 = b, c9 = b;
+  const auto start = [&](int chain) { return hn::Set(d, 1e-3f * static_cast<float>(chain)); };
+  auto c0 = start(0), c1 = start(1), c2 = start(2), c3 = start(3), c4 = start(4);
+  auto c5 = start(5), c6 = start(6), c7 = start(7), c8 = start(8), c9 = start(9);
   for (size_t i = 0; i < rounds; ++i) {
     c0 = hn::MulAdd(c0, a, b);
     c1 = hn::MulAdd(c1, a, b);
@@ -94,27 +97,39 @@ double best_seconds(const std::function<void()>& run) {
   return best;
 }
 
+constexpr size_t kParts = 4;  ///< tasks per thread, so that a thread that wakes late costs little
+
 }  // namespace
 
-MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles) {
-  MachineCeilings out;
-  const size_t threads = static_cast<size_t>(pool.size());
-  constexpr size_t kParts = 4;  ///< tasks per thread, so that a thread that wakes late costs little
-  std::vector<float> results(threads * kParts);
-  std::vector<double> operations(threads * kParts);
-  const double fma = best_seconds([&] {
-    pool.parallel_for(threads * kParts, 1, [&](size_t i, size_t, int) {
+double measure_fma_gflops(ThreadPool& pool) {
+  const size_t parts = static_cast<size_t>(pool.size()) * kParts;
+  std::vector<float> results(parts);
+  std::vector<double> operations(parts);
+  const double seconds = best_seconds([&] {
+    pool.parallel_for(parts, 1, [&](size_t i, size_t, int) {
       operations[i] = HWY_DYNAMIC_DISPATCH(FmaBurn)(kFmaRounds / kParts, &results[i]);
     });
   });
-  out.instructions = HWY_DYNAMIC_DISPATCH(TargetInUse)();
-  for (const double n : operations) out.fma_gflops += 2 * n / fma * 1e-9;
+  // Reads the results, so that no compiler may leave the computation out.
+  double gflops = 0, seen = 0;
+  for (const float s : results) seen += static_cast<double>(s);
+  for (const double n : operations) gflops += 2 * n / seconds * 1e-9;
+  return seen > 0 ? gflops : 0;
+}
 
-  if (matrix_tiles && amx_available()) {
-    const auto tiles = [](size_t, size_t, int) { amx_burn(kAmxRounds / kParts); };
-    const double amx = best_seconds([&] { pool.parallel_for(threads * kParts, 1, tiles); });
-    out.amx_gflops = kAmxOperationsPerRound * static_cast<double>(kAmxRounds * int64_t(threads)) / amx * 1e-9;
-  }
+double measure_amx_gflops(ThreadPool& pool) {
+  if (!amx_available()) return 0;
+  const size_t parts = static_cast<size_t>(pool.size()) * kParts;
+  const auto tiles = [](size_t, size_t, int) { amx_burn(kAmxRounds / kParts); };
+  const double seconds = best_seconds([&] { pool.parallel_for(parts, 1, tiles); });
+  return kAmxOperationsPerRound * static_cast<double>(kAmxRounds * pool.size()) / seconds * 1e-9;
+}
+
+MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles) {
+  MachineCeilings out;
+  out.instructions = HWY_DYNAMIC_DISPATCH(TargetInUse)();
+  out.fma_gflops = measure_fma_gflops(pool);
+  if (matrix_tiles) out.amx_gflops = measure_amx_gflops(pool);
 
   cpu::AlignedArray<float> a, b, c;
   for (cpu::AlignedArray<float>* array : {&a, &b, &c}) array->assign(kElements, 1.0f);
@@ -132,7 +147,6 @@ MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles) {
   // Reads the results, so that no compiler may leave the computation out.
   double seen = static_cast<double>(a[kElements / 2]);
   for (const float s : sums) seen += static_cast<double>(s);
-  for (const float s : results) seen += static_cast<double>(s);
   const double bytes = static_cast<double>(kElements * sizeof(float));
   out.read_gbps = seen > 0 ? bytes / read * 1e-9 : 0;
   out.triad_gbps = 3 * bytes / triad * 1e-9;

@@ -19,6 +19,10 @@ struct MachineCeilings {
 /// Takes about a second and, for its duration, 400 MB. Without `matrix_tiles` those of a processor that has none.
 MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles = true);
 
+/// Two of these figures alone, in some tens of milliseconds each.
+double measure_fma_gflops(ThreadPool& pool);
+double measure_amx_gflops(ThreadPool& pool);
+
 /// Seconds that `flops` operations of the best kind and `bytes` of memory traffic need at least, were they done one
 /// beside the other without loss.
 double floor_seconds(const MachineCeilings& ceilings, double vector_flops, double matrix_flops, double bytes);

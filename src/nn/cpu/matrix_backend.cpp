@@ -5,7 +5,7 @@
 namespace aligngs::nn {
 
 void PackedMatrix::multiply(const float* x, int64_t rows, float* y, Scratch& scratch) const {
-  if (precision_ == Precision::kFloat32) {
+  if (precision_ != Precision::kBfloat16) {
     multiply_operands(x, rows, y, scratch);
     return;
   }
@@ -16,10 +16,20 @@ void PackedMatrix::multiply(const float* x, int64_t rows, float* y, Scratch& scr
 }
 
 std::shared_ptr<MatrixBackend> make_matrix_backend(const ComputeOptions& options) {
-  if (options.onednn) {
-    if (auto backend = make_onednn_backend(options.precision)) return backend;
-  }
-  return make_portable_backend(options.precision);
+  if (options.precision == Precision::kBfloat16 && options.onednn && onednn_multiplies_bfloat16())
+    return make_onednn_backend(options.precision);
+  return make_vector_backend(options.precision);
+}
+
+bool onednn_multiplies_bfloat16() {
+#if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
+  __builtin_cpu_init();
+  static const bool multiplies =
+      __builtin_cpu_supports("avx512bf16") && make_onednn_backend(Precision::kBfloat16) != nullptr;
+  return multiplies;
+#else
+  return false;
+#endif
 }
 
 }  // namespace aligngs::nn

@@ -21,11 +21,16 @@ class PackedMatrix {
   /// y [rows, outputs] = x [rows, inputs] W^T on the calling thread.
   void multiply(const float* x, int64_t rows, float* y, Scratch& scratch) const;
   /// The same with x already of the operand type: float, or bfloat16 bits.
-  virtual void multiply_operands(const void* x, int64_t rows, float* y, Scratch& scratch) const = 0;
+  void multiply_operands(const void* x, int64_t rows, float* y, Scratch& scratch) const {
+    scratch.count_operations(2.0 * double(rows) * double(inputs_) * double(outputs_));
+    multiply_packed(x, rows, y, scratch);
+  }
 
  protected:
   PackedMatrix(int64_t outputs, int64_t inputs, Precision precision)
       : outputs_(outputs), inputs_(inputs), precision_(precision) {}
+  /// x: float, or bfloat16 bits with that precision.
+  virtual void multiply_packed(const void* x, int64_t rows, float* y, Scratch& scratch) const = 0;
 
  private:
   int64_t outputs_, inputs_;
@@ -36,14 +41,19 @@ class MatrixBackend {
  public:
   virtual ~MatrixBackend() = default;
   virtual std::string name() const = 0;
+  /// Whether a row of a product is the same to the bit whatever rows are multiplied with it.
+  virtual bool rows_are_independent() const { return false; }
   virtual std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs) const = 0;
 };
 
-/// oneDNN when it was built in, is wanted and supports the precision here; else the portable one.
+/// oneDNN for bfloat16, if it is wanted and onednn_multiplies_bfloat16(); else the vector kernels.
 std::shared_ptr<MatrixBackend> make_matrix_backend(const ComputeOptions& options);
 
-std::shared_ptr<MatrixBackend> make_portable_backend(Precision precision);
+/// Products of float32 vectors, whatever the weights are stored as.
+std::shared_ptr<MatrixBackend> make_vector_backend(Precision precision);
 /// nullptr when oneDNN was not built in or does not support the precision on this processor.
 std::shared_ptr<MatrixBackend> make_onednn_backend(Precision precision);
+/// Whether oneDNN was built in and this processor has instructions for it, vectors or matrix tiles.
+bool onednn_multiplies_bfloat16();
 
 }  // namespace aligngs::nn

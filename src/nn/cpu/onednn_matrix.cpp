@@ -114,7 +114,7 @@ class OnednnMatrix : public PackedMatrix {
 
   size_t bytes() const override { return packed_.size(); }
 
-  void multiply_operands(const void* x, int64_t rows, float* y, Scratch& scratch) const override {
+  void multiply_packed(const void* x, int64_t rows, float* y, Scratch& scratch) const override {
     const OneThread one;
     const Product& product = products_->product(rows, inputs(), outputs(), description_);
     const Scratch::Frame frame(scratch);
@@ -157,6 +157,7 @@ class OnednnBackend : public MatrixBackend {
 }  // namespace
 
 std::shared_ptr<MatrixBackend> make_onednn_backend(Precision precision) {
+  if (precision == Precision::kFloat16) return nullptr;  // widening weights in the cache is ours
   const bool half = precision == Precision::kBfloat16;
   auto backend = std::make_shared<OnednnBackend>(half ? memory::data_type::bf16 : memory::data_type::f32);
   try {  // whether it supports the type on this processor shows when it is asked

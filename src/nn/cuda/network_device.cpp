@@ -52,7 +52,7 @@ class CudaMatrix : public nn::PackedMatrix {
   }
 
   size_t bytes() const override { return size_t(count_) * (precision() == Precision::kFloat32 ? 4 : 2); }
-  void multiply_operands(const void* x, int64_t rows, float* y, nn::Scratch& scratch) const override;
+  void multiply_packed(const void* x, int64_t rows, float* y, nn::Scratch& scratch) const override;
 
   DeviceSpan<const float> as_floats() const { return {static_cast<const float*>(memory_.get()), size_t(count_)}; }
   DeviceSpan<const uint16_t> as_halves() const { return {static_cast<const uint16_t*>(memory_.get()), size_t(count_)}; }
@@ -333,7 +333,7 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
   std::string name_;
 };
 
-void CudaMatrix::multiply_operands(const void* x, int64_t rows, float* y, nn::Scratch&) const {
+void CudaMatrix::multiply_packed(const void* x, int64_t rows, float* y, nn::Scratch&) const {
   device_->multiply_host(*this, x, rows, y);
 }
 

@@ -20,9 +20,7 @@ Weights da3_part(const Weights& weights, const std::string& part) {
 }
 
 Da3::Da3(Compute& compute, const Weights& file, const Da3Options& options) {
-  ComputeOptions exact;
-  exact.onednn = compute.matrices()->name() != "portable";
-  exact_ = std::make_unique<Compute>(compute.pool(), exact);
+  exact_ = std::make_unique<Compute>(compute.pool());
   const Weights weights = da3_part(file, "da3");
   const Weights backbone = weights.sub("backbone.pretrained.");
   head_.emplace(compute, weights.sub("head."));
@@ -84,7 +82,7 @@ void Da3::operator()(Compute& compute, const std::vector<FeatureMap>& images, co
     Da3Frame frame;
     frame.camera = decode_da3_camera(encodings[size_t(v)], width, height);
     if (request.depth || request.rays) {
-      Da3DualHead::Output dense = (*head_)(compute, tokens.maps_of(v), height, width, request.rays);
+      Da3DualHead::Output dense = (*head_)(compute, tokens.maps_of(compute, v), height, width, request.rays);
       frame.depth = std::move(dense.depth);
       frame.rays = std::move(dense.rays);
     }

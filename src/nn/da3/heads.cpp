@@ -47,7 +47,7 @@ Da3DualHead::Da3DualHead(const Compute& compute, const Weights& weights)
 FeatureMap Da3DualHead::rays_of(Compute& compute, const std::vector<FeatureMap>& levels, double aspect) const {
   FeatureMap x = ray_fusion_.front()(compute, levels);
   for (const Convolution& convolution : ray_widths_) x = convolution(compute, x);
-  add_uv_embedding(x, aspect);
+  add_uv_embedding(compute, x, aspect);
   x = ray_hidden_(compute, x);
   const int64_t height = x.height, width = x.width;
   Matrix rows = ray_norm_(compute, std::move(x).take_rows());
@@ -65,14 +65,16 @@ Da3DualHead::Output Da3DualHead::operator()(Compute& compute, std::vector<Featur
   const double aspect = double(width) / double(height);
   const std::vector<FeatureMap> levels = pyramid_(compute, std::move(maps), aspect);
   FeatureMap x = resize_bilinear_map(compute, output1_(compute, fusion_(compute, levels)), height, width, true);
-  add_uv_embedding(x, aspect);
+  add_uv_embedding(compute, x, aspect);
   Output out;
   out.depth = output3_(compute, output2_(compute, x, {false, Activation::kRelu}));
   float* const values = out.depth.data.data();
-  for (int64_t i = 0; i < out.depth.places(); ++i) {
-    values[2 * i] = std::exp(values[2 * i]);
-    values[2 * i + 1] = 1 + std::exp(values[2 * i + 1]);
-  }
+  compute.for_rows(height, 1, [&](int64_t row, int64_t, Scratch&) {
+    for (int64_t i = row * width; i < (row + 1) * width; ++i) {
+      values[2 * i] = std::exp(values[2 * i]);
+      values[2 * i + 1] = 1 + std::exp(values[2 * i + 1]);
+    }
+  });
   if (rays) out.rays = rays_of(compute, levels, aspect);
   return out;
 }

@@ -30,7 +30,7 @@ Da3Metric::Da3Metric(Compute& compute, const Weights& file, const Da3MetricOptio
 
 FeatureMap Da3Metric::operator()(Compute& compute, const FeatureMap& image) const {
   const Da3Tokens tokens = (*trunk_)(compute, {image}, {});
-  return (*head_)(compute, tokens.maps_of(0), image.height, image.width);
+  return (*head_)(compute, tokens.maps_of(compute, 0), image.height, image.width);
 }
 
 void fill_da3_sky(std::vector<FeatureMap>& maps) {

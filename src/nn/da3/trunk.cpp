@@ -77,7 +77,8 @@ TokenPlaces places_of(const Rope2d& rope, const VitTokens& tokens, bool across) 
 /// Collects the tokens of one layer in the order of the photos.
 class Collector {
  public:
-  Collector(Da3Tokens& out, const std::vector<int64_t>& order) : out_(out), order_(order) {}
+  Collector(Compute& compute, Da3Tokens& out, const std::vector<int64_t>& order)
+      : compute_(compute), out_(out), order_(order) {}
 
   /// `left` (may be null): the first half of every token.
   void patches(const Matrix* left, const Matrix& right) {
@@ -98,23 +99,24 @@ class Collector {
     for (size_t s = 0; s < order_.size(); ++s) {
       const Block from{(int64_t(s) * per_view + first) * c, c};
       const int64_t at = order_[s] * count * w;
-      if (left) copy_block(to.data, {at, w}, left->data, from, count, c);
-      copy_block(to.data, {at + w - c, w}, right.data, from, count, c);
+      if (left) copy_block(compute_, to.data, {at, w}, left->data, from, count, c);
+      copy_block(compute_, to.data, {at + w - c, w}, right.data, from, count, c);
     }
   }
 
+  Compute& compute_;
   Da3Tokens& out_;
   const std::vector<int64_t>& order_;
 };
 
 }  // namespace
 
-std::vector<FeatureMap> Da3Tokens::maps_of(int64_t view) const {
+std::vector<FeatureMap> Da3Tokens::maps_of(Compute& compute, int64_t view) const {
   std::vector<FeatureMap> maps;
   for (const Matrix& layer : layers) {
     FeatureMap map(grid_height, grid_width, layer.columns);
     const int64_t size = patches() * layer.columns;
-    copy_block(map.data, {}, layer.data, {view * size, 0}, 1, size);
+    copy_block(compute, map.data, {}, layer.data, {view * size, 0}, 1, size);
     maps.push_back(std::move(map));
   }
   return maps;
@@ -185,7 +187,7 @@ Da3Tokens Da3Trunk::operator()(Compute& compute, const std::vector<FeatureMap>& 
   std::iota(order.begin(), order.end(), int64_t(0));
   const Rope2d rope(vit_.channels() / heads_, std::max(out.grid_height, out.grid_width));
   const TokenPlaces within = places_of(rope, embedded, false), across = places_of(rope, embedded, true);
-  Collector collect(out, order);
+  Collector collect(compute, out, order);
   for (int i = 0; i < int(vit_.depth()); ++i) {
     if (i == alternate_from_ - 1 && !posed && (out.views >= kFewestForChoice || request.reference)) {
       const Da3Reference chosen = choose_reference_view(first_tokens(x, out.views), request.rule);

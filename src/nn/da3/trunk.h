@@ -42,7 +42,7 @@ struct Da3Tokens {
 
   int64_t patches() const { return grid_height * grid_width; }
   /// The maps of one view, a map per layer.
-  std::vector<FeatureMap> maps_of(int64_t view) const;
+  std::vector<FeatureMap> maps_of(Compute& compute, int64_t view) const;
 };
 
 class Da3Trunk {

@@ -70,9 +70,8 @@ EomtOptions eomt_options_beside(const std::filesystem::path& weights) {
 }
 
 Eomt::Eomt(Compute& compute, const Weights& weights, const EomtOptions& options) : options_(options) {
-  ComputeOptions exact;
-  exact.onednn = compute.matrices()->name() != "portable";
-  exact.device = compute.options().device;
+  ComputeOptions exact = compute.options();
+  exact.precision = Precision::kFloat32;
   exact_ = std::make_unique<Compute>(compute.pool(), exact);
   vit_ = std::make_unique<Vit>(compute, weights.sub("encoder.backbone."), eomt_vit_options(options.heads));
   const int64_t c = vit_->channels();

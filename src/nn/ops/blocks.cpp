@@ -31,6 +31,25 @@ void copy_block(Values& to, const Block& to_block, const Values& from, const Blo
   move_block(to, to_block, from, from_block, rows, columns, false);
 }
 
+void copy_block(Compute& compute, Values& to, const Block& to_block, const Values& from, const Block& from_block,
+                int64_t rows, int64_t columns) {
+  if (from.where() || to.where() || rows <= 0) return copy_block(to, to_block, from, from_block, rows, columns);
+  float* const target = to.data() + to_block.first;
+  const float* const source = from.data() + from_block.first;
+  constexpr int64_t kFloats = 1 << 16;  // of a share: 256 KB
+  if (rows == 1) {
+    compute.for_rows(columns, kFloats, [&](int64_t begin, int64_t count, Scratch&) {
+      std::copy_n(source + begin, count, target + begin);
+    });
+    return;
+  }
+  compute.for_rows(rows, std::max<int64_t>(1, kFloats / std::max<int64_t>(1, columns)),
+                   [&](int64_t begin, int64_t count, Scratch&) {
+                     for (int64_t r = begin; r < begin + count; ++r)
+                       std::copy_n(source + r * from_block.stride, columns, target + r * to_block.stride);
+                   });
+}
+
 void add_block(Values& to, const Block& to_block, const Values& from, const Block& from_block, int64_t rows,
                int64_t columns) {
   move_block(to, to_block, from, from_block, rows, columns, true);

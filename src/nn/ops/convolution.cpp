@@ -80,7 +80,10 @@ FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x, const 
                         {bias_.on(*device), options.activation, options.relu_input}, y.data.write_on(*device));
     return y;
   }
-  const AlignedBytes operands = operands_of(compute, x, options.relu_input, matrix_->precision());
+  const bool as_it_is = matrix_->precision() != Precision::kBfloat16 && !options.relu_input;
+  const AlignedBytes made =
+      as_it_is ? AlignedBytes() : operands_of(compute, x, options.relu_input, matrix_->precision());
+  const char* const operands = as_it_is ? reinterpret_cast<const char*>(x.data.data()) : made.get();
   const size_t item = matrix_->precision() == Precision::kBfloat16 ? 2 : 4;
   const size_t pixel = size_t(x.channels) * item;
   // Patches of a chunk: about a megabyte, so that they stay in the second cache.
@@ -103,7 +106,7 @@ FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x, const 
           continue;
         }
         std::memset(out, 0, size_t(from) * pixel);
-        std::memcpy(out + size_t(from) * pixel, operands.get() + size_t(row * x.width + left + from) * pixel,
+        std::memcpy(out + size_t(from) * pixel, operands + size_t(row * x.width + left + from) * pixel,
                     size_t(to - from) * pixel);
         std::memset(out + size_t(to) * pixel, 0, size_t(k - to) * pixel);
       }

@@ -21,29 +21,32 @@ FeatureMap uv_grid(int64_t height, int64_t width, double aspect) {
   return grid;
 }
 
-FeatureMap uv_embedding(int64_t height, int64_t width, int64_t channels, double aspect) {
-  const FeatureMap grid = uv_grid(height, width, aspect);
+UvAxes uv_axes(int64_t height, int64_t width, int64_t channels, double aspect) {
   const int64_t quarter = channels / 4;
   constexpr double kBase = 100;
-  FeatureMap out(height, width, channels);
-  const auto encode = [&](int64_t y, int64_t x, int64_t axis) {
-    const double p = double(grid.at(y, x)[axis]);
-    float* to = out.at(y, x) + axis * 2 * quarter;
+  // x is the same in every row and y in every column.
+  const FeatureMap xs = uv_grid(1, width, aspect), ys = uv_grid(height, 1, aspect);
+  const auto encode = [&](float p, float* to) {
     for (int64_t k = 0; k < quarter; ++k) {
-      const double angle = p * std::pow(kBase, -double(k) / (double(channels) / 4));
+      const double angle = double(p) * std::pow(kBase, -double(k) / (double(channels) / 4));
       to[k] = float(std::sin(angle));
       to[quarter + k] = float(std::cos(angle));
     }
   };
-  // x is the same in every row and y in every column.
-  for (int64_t x = 0; x < width; ++x) encode(0, x, 0);
-  for (int64_t y = 0; y < height; ++y) encode(y, 0, 1);
+  UvAxes axes{Matrix(width, 2 * quarter), Matrix(height, 2 * quarter)};
+  for (int64_t x = 0; x < width; ++x) encode(xs.at(0, x)[0], axes.x.row(x));
+  for (int64_t y = 0; y < height; ++y) encode(ys.at(y, 0)[1], axes.y.row(y));
+  return axes;
+}
+
+FeatureMap uv_embedding(int64_t height, int64_t width, int64_t channels, double aspect) {
+  const UvAxes axes = uv_axes(height, width, channels, aspect);
+  const int64_t half = axes.x.columns;
+  FeatureMap out(height, width, channels);
   for (int64_t y = 0; y < height; ++y) {
     for (int64_t x = 0; x < width; ++x) {
-      for (int64_t c = 0; c < 2 * quarter; ++c) {
-        out.at(y, x)[c] = out.at(0, x)[c];
-        out.at(y, x)[2 * quarter + c] = out.at(y, 0)[2 * quarter + c];
-      }
+      std::copy_n(axes.x.row(x), half, out.at(y, x));
+      std::copy_n(axes.y.row(y), half, out.at(y, x) + half);
     }
   }
   return out;

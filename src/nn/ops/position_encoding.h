@@ -9,6 +9,11 @@ namespace aligngs::nn {
 /// whose diagonal is 2. For x (first half of the channels) then y: sin(p w_k), cos(p w_k) with w_k
 /// = 100^(-k / (channels / 4)).
 FeatureMap uv_embedding(int64_t height, int64_t width, int64_t channels, double aspect);
+/// Its two halves: rows of x [width, channels / 2] and of y [height, channels / 2].
+struct UvAxes {
+  Matrix x, y;
+};
+UvAxes uv_axes(int64_t height, int64_t width, int64_t channels, double aspect);
 /// (x, y) of each place of the above.
 FeatureMap uv_grid(int64_t height, int64_t width, double aspect);
 
