@@ -56,7 +56,7 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
     return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels,
             2 * kFloat * share * touched * channels};
   }
-  if (stage == "reduce") {
+  if (stage == "parameter_gradients") {
     return {700 * touched, 0,
             kSlotBytes * used + (kSlotBytes + kSplatBytes + 2 * (kShapeFloats + kShFloats) * kFloat) * touched};
   }

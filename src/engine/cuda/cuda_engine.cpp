@@ -184,7 +184,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
                        semantic.seen, coupling_scale, request.sh_degree, request.raster.dropout.factor()},
                       {g, density_sums, squares, arena_.take<double>(square_scratch(n), "sums of squares"), frame.bad});
   add_shape_terms(arena_, {model_.spans(), last_.touched, visible, losses, request.extent}, {g, terms, frame.bad});
-  timer_->mark("reduce");
+  timer_->mark("parameter_gradients");
   DeviceSpan<PoseGradient<double>> pose;
   if (request.pose_gradient) {
     pose = arena_.take<PoseGradient<double>>(1, "state of the step");
