@@ -13,7 +13,7 @@ constexpr double kShapeFloats = 11;  // position, scale, rotation, opacity
 constexpr double kShFloats = 48;     // degree 3
 constexpr double kAdamBytes = 28;    // read p, m, v, g; write p, m, v
 constexpr double kSplatBytes = sizeof(cpu::Splat);
-constexpr double kSlotBytes = sizeof(cpu::SplatGradient);
+constexpr double kSlotBytes = sizeof(cpu::CoupledSplatGradient);
 
 }  // namespace
 

@@ -99,8 +99,9 @@ const char* bad_term(const ParameterGradients& g, size_t i) {
 
 /// Sums of the slots [begin, end) that are seen.
 ALIGNGS_TARGET_CLONES
-void sum_slots(const SplatGradient* slots, const uint8_t* seen, size_t begin, size_t end, SplatGradient& sum) {
-  static_assert(sizeof(SplatGradient) == 4 * sizeof(FloatLanes));
+void sum_slots(const CoupledSplatGradient* slots, const uint8_t* seen, size_t begin, size_t end,
+               CoupledSplatGradient& sum) {
+  static_assert(sizeof(CoupledSplatGradient) == 4 * sizeof(FloatLanes));
   FloatLanes a{}, b{}, c{}, d{};  // in registers
   for (size_t slot = begin; slot < end; ++slot) {
     if (seen[slot] == 0) continue;
@@ -115,8 +116,8 @@ void sum_slots(const SplatGradient* slots, const uint8_t* seen, size_t begin, si
   std::memcpy(static_cast<void*>(&sum), all, sizeof(all));
 }
 
-void add_squares(const Splat& s, const SplatGradient& sum, ChunkSums& out) {
-  const Vec2<float> photometric = mean_gradient(s, sum.photometric_p, sum.photometric_r);
+void add_squares(const Splat& s, const CoupledSplatGradient& sum, ChunkSums& out) {
+  const Vec2<float> photometric = mean_gradient(s, sum.maps.photometric_p, sum.maps.photometric_r);
   const Vec2<float> coupling = mean_gradient(s, sum.coupling_p, sum.coupling_r);
   out.photometric += static_cast<double>(photometric.x * photometric.x + photometric.y * photometric.y);
   out.coupling += static_cast<double>(coupling.x * coupling.x + coupling.y * coupling.y);
@@ -181,7 +182,7 @@ BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& p
   pool.parallel_for(n, kGradientRowsPerTask, [&](size_t begin, size_t end, int) {
     const size_t chunk = begin / kGradientRowsPerTask;
     uint32_t rows[kMaxBackwardRows];
-    SplatGradient row_sums[kMaxBackwardRows];
+    CoupledSplatGradient row_sums[kMaxBackwardRows];
     RowGradient row[kMaxBackwardRows];
     size_t count = 0;
     thread_local ShapeValues values;
@@ -196,7 +197,7 @@ BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& p
         sum_slots(in.slots.data(), in.record.seen.data(), static_cast<size_t>(in.lists.slot_begin[i]),
                   static_cast<size_t>(in.lists.slot_begin[i + 1]), row_sums[count]);
         add_squares(in.view.splats[i], row_sums[count], sums[chunk]);
-        if (in.request.collect_density) gradients.density[i] = density_sums(row_sums[count]);
+        if (in.request.collect_density) gradients.density[i] = density_sums(row_sums[count].maps);
         ++count;
       }
       if (count < kMaxBackwardRows && (i + 1 < end || count == 0)) continue;
