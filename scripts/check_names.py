@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Names of one file that another file of the same module has in its anonymous namespace, too, and constants there that
 have the name of a header's constant. Tests of a module meet each other alone, and so do those of the folder tests.
+Also types that two files define outside of anonymous namespaces: one struct, class or enum per name in all of src.
 
     scripts/check_names.py
 
@@ -15,14 +16,16 @@ from pathlib import Path
 SOURCES = Path(__file__).resolve().parents[1] / "src"
 TEST = "_test.cpp"
 TYPE = re.compile(r"(?:template <[^>]*>\s*)?(?:struct|class|enum class|enum) (?:alignas\(\w+\) )?(\w+)(?! *;)")
+DEFINED_TYPE = re.compile(TYPE.pattern.removesuffix("(?! *;)") + r"(?: final)?(?: : .*)? ?\{")
 CONSTANT = re.compile(r"(?:inline |static |constexpr |const )+[\w:<>, *&]+?[ &*](k[A-Z]\w*)\s*[={\[(;]")
+HIDDEN = re.compile(r"\nnamespace \{\n(.*?)\n\}  // namespace\n", re.S)
 ALIAS = re.compile(r"using (\w+) = (.*)")
 FUNCTION = re.compile(r"[\w:<>,&* ]+[ &*](\w+)\((.*)")
 
 
 def hidden_names(text):
     """Names at the start of lines of the anonymous namespaces: (name, arguments of a function, meaning of an alias)."""
-    for block in re.findall(r"\nnamespace \{\n(.*?)\n\}  // namespace\n", text, re.S):
+    for block in HIDDEN.findall(text):
         for line in block.split("\n"):
             if line.startswith((" ", "#", "/", "}", "using namespace", "using ::", "friend", "extern")):
                 continue
@@ -59,6 +62,18 @@ def constants_of_headers(sources):
     return headers
 
 
+def shared_types(sources):
+    """Files that define each type outside of anonymous namespaces and of other types: {name: files}."""
+    files = collections.defaultdict(set)
+    for source in sorted(f for f in sources.rglob("*") if f.suffix in (".h", ".cuh", ".cpp", ".cu")):
+        text = HIDDEN.sub("\n", source.read_text(encoding="utf-8"))
+        for line in text.split("\n"):
+            found = DEFINED_TYPE.match(line)
+            if found:
+                files[found.group(1)].add(str(source.relative_to(sources.parent)))
+    return files
+
+
 def groups(sources):
     """Files of each program or library that a unity build compiles together."""
     for module in sorted(p for p in sources.iterdir() if p.is_dir()):
@@ -83,6 +98,9 @@ def clashes(sources):
             where, meanings = {file for file, _ in places}, {meaning for _, meaning in places}
             if len(where) > 1 and (len(meanings) > 1 or meanings == {""}):  # the same alias may come again
                 yield name, sorted(where)
+    for name, where in sorted(shared_types(sources).items()):
+        if len(where) > 1:
+            yield name, sorted(where)
 
 
 def main():

@@ -48,6 +48,17 @@ class CheckNames(unittest.TestCase):
     def test_an_alias_with_the_name_of_a_type_is_found(self):
         self.assertEqual(self.clashes(a_cpp=source("using Place = int;"), b_cpp=source("struct Place {\n};")), ["Place"])
 
+    def test_a_type_of_two_headers_is_found_even_in_two_namespaces(self):
+        one = "namespace aligngs::cpu {\nstruct Place {\n  int x;\n};\n}  // namespace aligngs::cpu\n"
+        other = "namespace aligngs::cuda {\nclass alignas(16) Place final : public Base {\n};\n}  // namespace aligngs::cuda\n"
+        self.assertEqual(self.clashes(a_h=one, b_cuh=other), ["Place"])
+        self.assertEqual(self.clashes(a_h=one, b_cpp=source("struct Place {\n};")), [])
+
+    def test_a_declared_type_and_one_within_another_are_not_found(self):
+        one = "namespace aligngs {\nstruct Place {\n  enum class Kind { kA };\n};\n}  // namespace aligngs\n"
+        other = "namespace aligngs {\nstruct Place;\nstruct Other {\n  enum class Kind { kB };\n};\n}  // namespace aligngs\n"
+        self.assertEqual(self.clashes(a_h=one, b_h=other), [])
+
     def test_a_constant_of_a_header_is_found(self):
         header = "namespace aligngs {\ninline constexpr int kSide = 3;\n}  // namespace aligngs\n"
         self.assertEqual(self.clashes(a_cpp=source("constexpr int kSide = 2;"), b_h=header), ["kSide"])

@@ -224,7 +224,8 @@ TEST_F(Program, BenchTellsEveryStageFromItsFloor) {
   EXPECT_EQ(document["scene"]["pixel_share"], 1.0);
   EXPECT_EQ(document["scene"]["blend"], "logits");
   const nlohmann::json& stages = document["step"]["stages"];
-  for (const char* stage : {"project", "bin", "forward", "losses", "backward", "semantics", "reduce", "optimise"}) {
+  for (const char* stage :
+       {"project", "bin", "forward", "losses", "backward", "semantics", "parameter_gradients", "optimise"}) {
     EXPECT_TRUE(stages.contains(stage)) << stage;
   }
   nlohmann::json timed = stages;

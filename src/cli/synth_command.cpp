@@ -38,6 +38,7 @@ AcceptanceFigure tsdf_figure(const SynthScene& scene, ThreadPool& pool) {
   FusionOptions options;
   options.min_cosine = 0.17;          // 80 degrees
   options.single_view_weight = 0.25;  // of surface that one view alone sees
+  options.consistency.depth_tolerance = 0.01;
   options.metric = !scene.options.unknown_similarity;
   const FusionResult fused = fuse_depth(frames, options, pool);
   input.predicted = &fused.mesh;

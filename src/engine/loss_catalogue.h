@@ -40,6 +40,17 @@ enum class LossStage : uint8_t {
   kShape       ///< of the Gaussians' own parameters (formulas/shape_terms.h)
 };
 
+/// The stages in words, as titles of charts have them.
+struct LossStageRow {
+  LossStage stage;
+  std::string_view title;  ///< behind "losses on"; ends with a 0
+};
+inline constexpr LossStageRow kLossStages[] = {{LossStage::kColor, "colour"},
+                                               {LossStage::kGeometry, "depth and normals"},
+                                               {LossStage::kTwoViews, "two views"},
+                                               {LossStage::kSemantics, "classes"},
+                                               {LossStage::kShape, "shape of the Gaussians"}};
+
 /// Inputs of a loss; bits.
 enum LossNeeds : uint8_t {
   kNeedsNothing = 0,
@@ -49,6 +60,16 @@ enum LossNeeds : uint8_t {
   kNeedsPriorDepth = 8,
   kNeedsPriorNormal = 16,
   kNeedsLabels = 32
+};
+
+/// Those that a view may lack, beside what is rendered.
+struct GivenInputs {
+  bool prior_depth = false, prior_normal = false, labels = false;
+  /// The view has all inputs that a loss with these `needs` (bits of LossNeeds) takes.
+  ALIGNGS_HD constexpr bool suffice(unsigned needs) const {
+    return ((needs & kNeedsPriorDepth) == 0 || prior_depth) && ((needs & kNeedsPriorNormal) == 0 || prior_normal) &&
+           ((needs & kNeedsLabels) == 0 || labels);
+  }
 };
 
 struct LossRow {
@@ -123,6 +144,15 @@ constexpr bool rows_are_in_order() {
   return true;
 }
 static_assert(rows_are_in_order(), "row i of the catalogue belongs to value i of Loss");
+constexpr bool every_stage_has_a_title() {
+  for (const LossRow& row : kLossCatalogue) {
+    bool found = false;
+    for (const LossStageRow& stage : kLossStages) found = found || stage.stage == row.stage;
+    if (!found) return false;
+  }
+  return true;
+}
+static_assert(every_stage_has_a_title());
 }  // namespace loss_catalogue
 
 }  // namespace aligngs

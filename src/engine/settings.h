@@ -28,8 +28,8 @@ struct RasterSettings {
 };
 
 enum class SemanticBlend {
-  kLogits,        ///< paper: P = sum w s, softmax per pixel
-  kProbabilities  ///< our default: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
+  kLogits,        ///< of the paper: P = sum w s, softmax per pixel
+  kProbabilities  ///< ours: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
 };
 
 enum class SemanticCoupling {
@@ -48,13 +48,13 @@ struct LossSettings {
   PerLoss<float> weight;
 
   SemanticSample semantic_sample;  ///< pixels that the two semantic terms and their coupling take in this step
-  SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
-  SemanticCoupling coupling = SemanticCoupling::kBounded;
+  SemanticBlend semantic_blend{};
+  SemanticCoupling coupling{};
   /// kPlain: factor on the gradient (0 = release, 1 = paper). Else: target ratio of RMS gradients.
   float coupling_strength = 0;
 
   float log_depth_huber = 0;  ///< Huber delta of L_z, log units; L_z needs one above 0
-  /// a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
+  /// a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h); 1 leaves it as it is
   float prior_depth_scale = 1.0f;
   /// L_ng and L_nb as printed, without discontinuity guards, over pixels with a normal
   bool paper_normals = false;

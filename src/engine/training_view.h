@@ -1,6 +1,7 @@
 // One view as training sees it: its pixels and priors, and maps derived from them once.
 #pragma once
 
+#include "engine/loss_catalogue.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -13,5 +14,10 @@ struct TrainingView {
   /// H x W, 1 = excluded from L_d (paper: one-sided 1 px; default: symmetric 2 px band); empty without semantics
   Image<uint8_t> label_edge;
 };
+
+/// Those inputs of losses that the view has.
+inline GivenInputs given_inputs(const TrainingView& view) {
+  return {!view.data.prior_depth.empty(), !view.prior_normal.empty(), !view.data.labels.empty()};
+}
 
 }  // namespace aligngs

@@ -44,7 +44,9 @@ TEST(VggtPose, FocalLengthsFollowFromTheFieldsOfView) {
 }
 
 TEST(VggtPose, AFieldOfViewOfZeroKeepsTheFocalLengthFinite) {
-  EXPECT_TRUE(std::isfinite(decode_pose({0, 0, 0, 0, 0, 0, 1, 0, 0}, 518, 392).fx));
+  const VggtCamera camera = decode_pose({0, 0, 0, 0, 0, 0, 1, 0, 0}, 518, 392);
+  EXPECT_NEAR(camera.fx, 518 / 1e-3, 1);  // that of a thousandth of a radian
+  EXPECT_NEAR(camera.fy, 392 / 1e-3, 1);
 }
 
 TEST(VggtPose, UnprojectedDepthLiesBehindThePixel) {

@@ -44,6 +44,9 @@ struct PhotoMaps {
 };
 PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& placement, int width, int height);
 
+/// Percent of the depth, that of the lowest confidence, that is left out where nobody says another number.
+inline constexpr double kUnsureDepthPercent = 20;
+
 /// The value below which `percent` % of the positive values of all maps lie; 0 without any.
 float confidence_at(const std::vector<PredictedView>& views, double percent);
 

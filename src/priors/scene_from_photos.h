@@ -12,6 +12,7 @@
 #include "priors/metres_estimate.h"
 #include "priors/model_store.h"
 #include "priors/photo_folder.h"
+#include "priors/predicted_view.h"
 
 namespace aligngs {
 
@@ -33,8 +34,8 @@ struct ScenePhotosOptions {
   bool strict = false;
 
   // VGGT and Depth Anything 3.
-  std::string model = "vggt-1b";  ///< name of the weights, of the method's network
-  double drop_percent = 20;       ///< depth of the lowest confidence that is not used, percent of all
+  std::string model = "vggt-1b";              ///< name of the weights, of the method's network
+  double drop_percent = kUnsureDepthPercent;  ///< depth of the lowest confidence that is not used, percent of all
   bool shared_focal = false;
   bool camera_from_rays = false;  ///< Depth Anything 3
   /// Depth Anything 3: name of the network that tells metres; empty: none. With metric_model_needed false it is left

@@ -9,18 +9,19 @@
 #include "nn/compute.h"
 #include "priors/model_store.h"
 #include "priors/network_memory.h"
+#include "priors/predicted_view.h"
 #include "scene/scene.h"
 
 namespace aligngs {
 
 struct ScenePriorsOptions {
   nn::Precision precision = nn::Precision::kBfloat16;
-  nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
-  bool overwrite = false;              ///< replace priors that are there
-  bool augment = false;                ///< multi-scale head: five sizes, mirrored as well (ten passes)
-  int mask2former_heads = 0;           ///< of its attention; 0: from the tensors, with 4 points per level
-  double drop_percent = 20;            ///< VGGT: depth of the lowest confidence that is left out
-  uint64_t memory_limit = 0;           ///< bytes; 0: 80 % of what is free
+  nn::DeviceFactory make_device = {};         ///< where networks run; empty: the processor
+  bool overwrite = false;                     ///< replace priors that are there
+  bool augment = false;                       ///< multi-scale head: five sizes, mirrored as well (ten passes)
+  int mask2former_heads = 0;                  ///< of its attention; 0: from the tensors, with 4 points per level
+  double drop_percent = kUnsureDepthPercent;  ///< VGGT: depth of the lowest confidence that is left out
+  uint64_t memory_limit = 0;                  ///< bytes; 0: 80 % of what is free
   int threads = 0;
   ProgressStyle progress;
 };

@@ -46,9 +46,11 @@ TEST(MatchCovariance, IsFiniteOnAPlateauAndAtAPerfectScore) {
   std::array<double, 9> plateau;
   plateau.fill(1);
   const MatchCovariance c = match_covariance(plateau, kPixels);
-  EXPECT_TRUE(std::isfinite(c.xx) && std::isfinite(c.yy));
-  EXPECT_GT(c.xx, 0);
-  EXPECT_GT(c.yy, 0);
+  // 2 (1 - s) / n H^-1 of two pixels' blobs, with the least misfit and curvature that count
+  const double wanted = 2 * 2 * 0.01 / double(kPixels) / 1e-4;
+  EXPECT_NEAR(c.xx, wanted, 1e-9);
+  EXPECT_NEAR(c.yy, wanted, 1e-9);
+  EXPECT_NEAR(c.xy, 0, 1e-9);
 }
 
 TEST(Whitening, MakesErrorsOfUnitCovariance) {

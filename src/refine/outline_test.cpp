@@ -30,7 +30,7 @@ Image<uint8_t> grown(const Image<uint16_t>& labels, int by) {
 
 struct TwoPhotos {
   Camera from = camera(-0.4, -0.3, -0.1), to = camera(0.5, -0.2, 0.1);
-  Photo first = photo(from, Screen{}), second = photo(to, Screen{});
+  ScreenPhoto first = photo(from, Screen{}), second = photo(to, Screen{});
   ImageF gradient = luma_gradient(first.luma), other_gradient = luma_gradient(second.luma);
 
   std::vector<OutlinePoint> outline(int label_grown_by = 0) const {

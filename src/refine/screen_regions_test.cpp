@@ -11,7 +11,7 @@ namespace {
 
 using namespace screen_room;
 
-std::vector<ScreenRegion> regions_of(const Photo& p) {
+std::vector<ScreenRegion> regions_of(const ScreenPhoto& p) {
   return screen_regions(p.view, 3, luma_gradient(p.luma), kScreenClasses, {});
 }
 
@@ -25,7 +25,7 @@ TEST(ScreenRegions, AScreenIsOneWithItsDepthAndDirection) {
 }
 
 TEST(ScreenRegions, PiecesThatDoNotTouchAreTwo) {
-  Photo p = photo(camera(0, -0.2, 0), Screen{});
+  ScreenPhoto p = photo(camera(0, -0.2, 0), Screen{});
   for (int y = 0; y < kPhotoHeight; ++y) {
     for (int x = kPhotoWidth / 2 - 2; x < kPhotoWidth / 2 + 2; ++x) p.view.labels.at(x, y) = kOtherLabel;
   }
@@ -33,8 +33,8 @@ TEST(ScreenRegions, PiecesThatDoNotTouchAreTwo) {
 }
 
 TEST(ScreenRegions, SpecksAndWhatHasNoDepthAreLeftOut) {
-  Photo p = photo(camera(0, -0.2, 0), Screen{});
-  Photo speck = p;
+  ScreenPhoto p = photo(camera(0, -0.2, 0), Screen{});
+  ScreenPhoto speck = p;
   std::fill(speck.view.labels.data.begin(), speck.view.labels.data.end(), kOtherLabel);
   for (int x = 100; x < 108; ++x) speck.view.labels.at(x, 100) = kScreenLabel;
   EXPECT_TRUE(regions_of(speck).empty());

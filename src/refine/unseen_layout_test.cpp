@@ -147,10 +147,19 @@ TEST(UnseenLayout, WithoutLabelsOrSurfacesThereIsNothing) {
 }
 
 TEST(UnseenLayout, DepthThatIsNoNumberIsNoSurface) {
-  std::vector<LayoutView> views = photos();
-  for (size_t i = 0; i < views[0].plane.depth.data.size(); i += 2)
+  std::vector<LayoutView> views = photos(), without = photos();
+  for (size_t i = 0; i < views[0].plane.depth.data.size(); i += 2) {
     views[0].plane.depth.data[i] = i % 4 == 0 ? NAN : INFINITY;
-  for (const Vec3f& p : unseen(views).cloud.positions) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
+    without[0].plane.depth.data[i] = 0;
+  }
+  const UnseenLayout layout = unseen(views), wanted = unseen(without);
+  ASSERT_GT(layout.cloud.size(), 300u);
+  ASSERT_EQ(layout.cloud.size(), wanted.cloud.size());
+  for (size_t i = 0; i < layout.cloud.size(); ++i) {
+    EXPECT_EQ(layout.cloud.positions[i].x, wanted.cloud.positions[i].x);
+    EXPECT_EQ(layout.cloud.positions[i].y, wanted.cloud.positions[i].y);
+    EXPECT_EQ(layout.cloud.positions[i].z, wanted.cloud.positions[i].z);
+  }
 }
 
 TEST(UnseenLayout, DoesNotDependOnThreads) {

@@ -49,10 +49,14 @@ TEST(Furniture, StraysDoNotGrowTheBox) {
 
 TEST(Furniture, PointsThatAreNotFiniteAreIgnored) {
   ObjectPoints points = box_points(2, 0.8, 0.9, 0, 0, 0);
+  MeasuredBox clean, box;
+  ASSERT_TRUE(fit_box(points, {}, clean));
   points.points.push_back({std::numeric_limits<double>::quiet_NaN(), 0, 0});
-  MeasuredBox box;
   ASSERT_TRUE(fit_box(points, {}, box));
-  EXPECT_TRUE(std::isfinite(box.width + box.centre.x));
+  EXPECT_NEAR(box.width, clean.width, 1e-9);
+  EXPECT_NEAR(box.depth, clean.depth, 1e-9);
+  EXPECT_NEAR(box.top, clean.top, 1e-9);
+  EXPECT_NEAR(box.centre.x, clean.centre.x, 1e-9);
 }
 
 TEST(Furniture, TooFewPointsAreNoBox) {

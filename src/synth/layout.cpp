@@ -152,9 +152,9 @@ void build_shell(MeshBuilder& b, const RoomStyle& s, const RoomPlan& plan) {
   b.set_frame({});
 }
 
-bool is_free(const RoomModel& room, const Footprint& f, double margin) {
+bool is_free(const RoomModel& room, const FurnitureFootprint& f, double margin) {
   if (f.x0 < -1e-6 || f.y0 < -1e-6 || f.x1 > room.width + 1e-6 || f.y1 > room.depth + 1e-6) return false;
-  for (const Footprint& other : room.footprints) {
+  for (const FurnitureFootprint& other : room.footprints) {
     if (other.bottom > 0.5 && other.bottom > f.top) continue;
     if (f.x0 < other.x1 + margin && f.x1 > other.x0 - margin && f.y0 < other.y1 + margin && f.y1 > other.y0 - margin) {
       return false;
@@ -189,7 +189,8 @@ void scatter_along_walls(MeshBuilder& b, const RoomStyle& s, const RoomPlan& pla
       if (at_door) continue;
       const Rigidd frame = wall_frame(plan, wall, at, 0.04);
       const Vec3d a = frame * Vec3d{-piece.width / 2, 0, 0}, c = frame * Vec3d{piece.width / 2, piece.depth, 0};
-      const Footprint f{std::min(a.x, c.x), std::min(a.y, c.y), std::max(a.x, c.x), std::max(a.y, c.y), 1.2, 0};
+      const FurnitureFootprint f{
+          std::min(a.x, c.x), std::min(a.y, c.y), std::max(a.x, c.x), std::max(a.y, c.y), 1.2, 0};
       if (!is_free(b.room(), f, 0.05)) continue;
       b.set_frame(frame);
       piece.add(b, s);

@@ -36,7 +36,7 @@ Rigidd wall_frame(const RoomPlan& plan, int wall, double s, double gap = 0.0);
 void build_shell(MeshBuilder& builder, const RoomStyle& style, const RoomPlan& plan);
 
 /// True when the rectangle keeps `margin` to every footprint on the floor, and to the walls.
-bool is_free(const RoomModel& room, const Footprint& rectangle, double margin);
+bool is_free(const RoomModel& room, const FurnitureFootprint& rectangle, double margin);
 
 /// Drops small things (plants, baskets, stools, ...) where the floor is free: up to `count` of those in `pieces`, at a
 /// wall or in a corner. Each piece has a size in metres and a function that builds it.

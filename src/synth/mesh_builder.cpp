@@ -302,7 +302,7 @@ void MeshBuilder::sheet(const Surface& surface, double size_u, double size_v, do
 }
 
 void MeshBuilder::occupy(const Vec3d& low, const Vec3d& high) {
-  Footprint f{1e9, 1e9, -1e9, -1e9, 0, 0};
+  FurnitureFootprint f{1e9, 1e9, -1e9, -1e9, 0, 0};
   for (const double x : {low.x, high.x}) {
     for (const double y : {low.y, high.y}) {
       const Vec3d p = frame_ * Vec3d{x, y, low.z};

@@ -59,8 +59,8 @@ Removal parse_removal(const RoomModel& room, std::string_view text) {
   return removal;
 }
 
-ObjectBox box_of(const RoomModel& room, size_t object) {
-  ObjectBox box;
+AxisAlignedBox box_of(const RoomModel& room, size_t object) {
+  AxisAlignedBox box;
   for (size_t t = 0; t < room.triangles.size(); ++t) {
     if (room.triangle_object[t] != object) continue;
     for (const uint32_t v : room.triangles[t]) {
@@ -76,7 +76,7 @@ ObjectBox box_of(const RoomModel& room, size_t object) {
 RoomModel room_without(const RoomModel& room, const Removal& removal) {
   RoomModel out = room;
   std::vector<uint8_t> gone(room.objects.size(), 0);
-  std::vector<ObjectBox> boxes;
+  std::vector<AxisAlignedBox> boxes;
   for (const size_t i : removal.objects) {
     gone[i] = 1;
     boxes.push_back(box_of(room, i));
@@ -94,7 +94,7 @@ RoomModel room_without(const RoomModel& room, const Removal& removal) {
   std::erase_if(out.lights, [&](const AreaLight& light) {
     constexpr double kNear = 0.02;  // metres: a lamp's light may be on its surface
     const Vec3d p = light.origin + 0.5 * (light.edge_u + light.edge_v);
-    return std::any_of(boxes.begin(), boxes.end(), [&](const ObjectBox& box) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const AxisAlignedBox& box) {
       for (int a = 0; a < 3; ++a) {
         if (p[a] < box.low[a] - kNear || p[a] > box.high[a] + kNear) return false;
       }

@@ -27,9 +27,9 @@ Removal parse_removal(const RoomModel& room, std::string_view text);
 RoomModel room_without(const RoomModel& room, const Removal& removal);
 
 /// Corners of the box around an object, in the coordinates of the room's positions.
-struct ObjectBox {
+struct AxisAlignedBox {
   Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
 };
-ObjectBox box_of(const RoomModel& room, size_t object);
+AxisAlignedBox box_of(const RoomModel& room, size_t object);
 
 }  // namespace aligngs

@@ -43,7 +43,7 @@ std::string room_objects_json(const RoomModel& room) {
   }
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (size_t i = 0; i < room.objects.size(); ++i) {
-    const ObjectBox box = box_of(room, i);
+    const AxisAlignedBox box = box_of(room, i);
     if (vertices[i].first >= vertices[i].second) continue;  // nothing of it is left
     objects.push_back({{"object", object_name(room, i)},
                        {"class", room.objects[i].class_name},
@@ -64,7 +64,7 @@ void write_removal_truth(const SynthScene& scene, const RemovalTruth& truth, con
   write_mesh_ply(place / "mesh.ply", truth.mesh);
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const size_t i : truth.removal.objects) {
-    const ObjectBox box = box_of(scene.room, i);
+    const AxisAlignedBox box = box_of(scene.room, i);
     objects.push_back({{"object", object_name(scene.room, i)},
                        {"class", scene.room.objects[i].class_name},
                        {"low", {box.low.x, box.low.y, box.low.z}},

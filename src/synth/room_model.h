@@ -27,7 +27,7 @@ struct AreaLight {
 };
 
 /// The floor area an object takes, for placing furniture and walking around it. Room frame, metres.
-struct Footprint {
+struct FurnitureFootprint {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   double top = 0;     ///< height of the object
   double bottom = 0;  ///< > 0 for something that hangs: the floor below is free
@@ -55,7 +55,7 @@ struct RoomModel {
   std::vector<RoomObject> objects;
   std::vector<Material> materials;
   std::vector<AreaLight> lights;
-  std::vector<Footprint> footprints;
+  std::vector<FurnitureFootprint> footprints;
   std::vector<RoomOpening> openings;
   bool strong_gloss = false;  ///< add_gloss() was here: pictures have maps of what is mirrored
   Rigidd room_to_world;       ///< identity until move_to_world

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "synth/gloss.h"
 #include "synth/room_builders.h"
+#include "synth/synth_purpose.h"
 
 namespace aligngs {
 
@@ -36,9 +37,10 @@ RoomModel build_room(const RoomOptions& options) {
   RoomModel room;
   room.name = options.kind;
   const Random base(options.seed * 4 + static_cast<uint64_t>(kind - kinds.begin()));
-  Random style_random = base.fork(1), plan_random = base.fork(2);
+  Random style_random = stream_of(base, FurnishingPurpose::kStyle),
+         plan_random = stream_of(base, FurnishingPurpose::kPlan);
   const RoomStyle style = make_room_style(style_random, options.glossy);
-  MeshBuilder builder(room, base.fork(3).state()[0]);
+  MeshBuilder builder(room, stream_of(base, FurnishingPurpose::kMeshes).state()[0]);
   RoomSite site{builder, style, {}, plan_random};
   if (options.kind == "bedroom")
     furnish_bedroom(site);

@@ -58,7 +58,7 @@ TEST_P(Rooms, StayInsideTheirWalls) {
     ASSERT_GT(p.y, -0.2f);
     ASSERT_LT(p.y, room.depth + 0.2);
   }
-  for (const Footprint& f : room.footprints) {
+  for (const FurnitureFootprint& f : room.footprints) {
     EXPECT_GT(f.x0, -0.05);
     EXPECT_LT(f.x1, room.width + 0.05);
     EXPECT_GT(f.y0, -0.05);

@@ -11,6 +11,7 @@
 #include "scene/view_data.h"
 #include "synth/raytracer.h"
 #include "synth/shading.h"
+#include "synth/synth_purpose.h"
 #include "synth/teacher_cloud.h"
 
 namespace aligngs {
@@ -123,7 +124,7 @@ void write_simulated_priors(const Scene& scene, const std::filesystem::path& fol
   std::vector<TeacherCloudView> cloud_views;
   for (size_t k = 0; k < photos.size(); ++k)
     cloud_views.push_back({&teacher.views[static_cast<size_t>(scene.train[k])], &photos[k]});
-  parts.cloud = teacher_cloud(cloud_views, Random(options.seed).fork(1));
+  parts.cloud = teacher_cloud(cloud_views, stream_of(Random(options.seed), SynthPurpose::kPriorCloud));
   parts.description.metric = true;
   parts.description.up = scene.up;
   parts.description.source = fmt::format("{}; simulated priors ({})", scene.source, teacher_level_name(options.level));

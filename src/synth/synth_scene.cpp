@@ -11,6 +11,7 @@
 #include "synth/image_degradation.h"
 #include "synth/mesh_builder.h"
 #include "synth/sfm_cloud.h"
+#include "synth/synth_purpose.h"
 #include "synth/teacher_cloud.h"
 #include "synth/teacher_monodepth.h"
 #include "synth/teacher_sensor.h"
@@ -63,11 +64,16 @@ PointCloud sparse_cloud(const SynthScene& scene, const Random& random) {
   return simulate_sfm_cloud(views, {}, random);
 }
 
-/// The stream of random numbers of a scene's room.
-Random room_random(const SynthOptions& options) {
+/// The number of a room's kind.
+uint64_t kind_of(const SynthOptions& options) {
   uint64_t kind = 0;
   while (room_kinds()[kind] != options.room) ++kind;
-  return Random(options.seed).fork(500 + kind);
+  return kind;
+}
+
+/// The stream of random numbers of a scene's room.
+Random room_random(const SynthOptions& options) {
+  return stream_of(Random(options.seed), SynthPurpose::kPictures, kind_of(options));
 }
 
 }  // namespace
@@ -78,12 +84,15 @@ namespace {
 
 ImageDegradationSettings degradation_of(const SynthOptions& options, size_t index) {
   ImageDegradationSettings settings;
-  if (options.exposure == ExposureKind::kWalk) settings.log_gain = exposure_walk(room_random(options).fork(3), index);
+  if (options.exposure == ExposureKind::kWalk)
+    settings.log_gain = exposure_walk(stream_of(room_random(options), PicturePurpose::kExposure), index);
   return settings;
 }
 
 /// The stream of random numbers of a photo.
-Random photo_random(const SynthOptions& options, size_t index) { return room_random(options).fork(2).fork(index); }
+Random photo_random(const SynthOptions& options, size_t index) {
+  return stream_of(room_random(options), PicturePurpose::kPhoto).fork(index);
+}
 
 }  // namespace
 
@@ -154,8 +163,9 @@ std::vector<SegmentMap> segments_of(const SynthOptions& o, const std::vector<Ren
   if (o.segments == SegmentTeacher::kNone) return out;
   if (o.segments == SegmentTeacher::kTeacher && o.teacher == TeacherKind::kSimulated) {
     const SemanticTeacherSettings semantic = semantic_teacher_settings(o.level);
-    return simulate_panoptic_teacher(views, room, draw_object_confusions(views, room, semantic, random.fork(1)),
-                                     panoptic_teacher_settings(o.level), semantic, random.fork(2), pool);
+    return simulate_panoptic_teacher(
+        views, room, draw_object_confusions(views, room, semantic, stream_of(random, ClassPurpose::kConfusions)),
+        panoptic_teacher_settings(o.level), semantic, stream_of(random, ClassPurpose::kSegments), pool);
   }
   for (size_t i = 0; i < views.size(); ++i) out[i] = exact_segments(views[i]);
   return out;
@@ -173,11 +183,10 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   scene.options = options;
   scene.room = build_room({options.room, options.seed, options.glossy, options.strong_gloss});
   scene.bare_share = scene.room.bare_area_share();
-  uint64_t kind = 0;
-  while (room_kinds()[kind] != options.room) ++kind;
-  const Random base = room_random(options);
-  const Random teacher_base = Random(options.teacher_seed != 0 ? options.teacher_seed : options.seed).fork(600 + kind);
-  scene.room.move_to_world(world_frame(scene.room, base.fork(1)));
+  const Random teacher_base = stream_of(Random(options.teacher_seed != 0 ? options.teacher_seed : options.seed),
+                                        SynthPurpose::kTeacherBase, kind_of(options));
+  const auto teacher_random = [&](TeacherPurpose purpose) { return stream_of(teacher_base, purpose); };
+  scene.room.move_to_world(world_frame(scene.room, stream_of(room_random(options), PicturePurpose::kWorldFrame)));
   scene.up = scene.room.room_to_world.rotation.column(2);
 
   report(0.02, "lighting the room");
@@ -210,23 +219,24 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   GeometryTeacher geometry =
       exact ? exact_geometry_teacher(rendered)
       : options.depth_teacher == DepthTeacher::kSensor
-          ? simulate_depth_sensor(rendered, {}, teacher_base.fork(1), pool)
+          ? simulate_depth_sensor(rendered, {}, teacher_random(TeacherPurpose::kGeometry), pool)
           : simulate_geometry_teacher(rendered, settings, centre, std::max(scene.room.width, scene.room.depth),
-                                      scene.up, teacher_base.fork(1), pool);
+                                      scene.up, teacher_random(TeacherPurpose::kGeometry), pool);
   scene.teacher_world = geometry.world;
   report(0.85, "running the semantic teacher");
   std::vector<ScoreMap> scores =
       exact || options.labels == LabelTeacher::kTrue
           ? exact_semantic_teacher(rendered, options.semantic_scale, pool)
           : simulate_semantic_teacher(rendered, scene.room, semantic_teacher_settings(options.level),
-                                      options.semantic_scale, teacher_base.fork(2), pool);
-  apply_label_control(options.labels, scores, teacher_base.fork(5));
-  std::vector<SegmentMap> segments = segments_of(options, rendered, scene.room, teacher_base.fork(2), pool);
+                                      options.semantic_scale, teacher_random(TeacherPurpose::kClasses), pool);
+  apply_label_control(options.labels, scores, teacher_random(TeacherPurpose::kLabelControl));
+  std::vector<SegmentMap> segments =
+      segments_of(options, rendered, scene.room, teacher_random(TeacherPurpose::kClasses), pool);
 
   report(0.95, "developing the pictures");
   scene.views.resize(plan.size());
   const MonoDepthSettings mono = mono_depth_settings(options.level);
-  const Random mono_random = teacher_base.fork(3);
+  const Random mono_random = teacher_random(TeacherPurpose::kMonoDepth);
   pool.parallel_for(plan.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       SynthView& view = scene.views[i];
@@ -243,7 +253,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   for (size_t i = 0; i < scene.views.size(); ++i) {
     (scene.views[i].role == ViewRole::kTraining ? scene.train : scene.test).push_back(static_cast<int>(i));
   }
-  scene.cloud = sparse_cloud(scene, teacher_base.fork(4));
+  scene.cloud = sparse_cloud(scene, teacher_random(TeacherPurpose::kSparseCloud));
   report(1, "done");
   return scene;
 }

@@ -9,6 +9,7 @@
 #include "scene/triangle_mesh.h"
 #include "synth/class_confusions.h"
 #include "synth/noise.h"
+#include "synth/synth_purpose.h"
 #include "synth/teacher_regions.h"
 
 namespace aligngs {
@@ -189,7 +190,8 @@ float ScoreMap::score(int channel, int x, int y) const {
 std::vector<ScoreMap> simulate_semantic_teacher(const std::vector<RenderedView>& views, const RoomModel& room,
                                                 const SemanticTeacherSettings& settings, double scale, Random random,
                                                 ThreadPool& pool) {
-  const std::vector<ObjectConfusion> confusions = draw_object_confusions(views, room, settings, random.fork(1));
+  const std::vector<ObjectConfusion> confusions =
+      draw_object_confusions(views, room, settings, stream_of(random, ClassPurpose::kConfusions));
   std::vector<ScoreMap> out(views.size());
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

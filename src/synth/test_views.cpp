@@ -103,7 +103,7 @@ std::vector<NearView> plan_near(const ViewPlanner& p, const std::vector<Station>
 }
 
 std::vector<Camera> plan_far(ViewPlanner& p, const std::vector<Station>& training, int count) {
-  const auto& places = p.space.camera_places();
+  const auto& places = p.walkable.camera_places();
   struct Candidate {
     Camera camera;
     double novelty, interest;

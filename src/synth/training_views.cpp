@@ -42,9 +42,9 @@ std::vector<Camera> direction_candidates(const ViewPlanner& p, const Vec3d& eye,
 }  // namespace
 
 std::vector<Station> plan_training(ViewPlanner& p) {
-  const auto& places = p.space.camera_places();
+  const auto& places = p.walkable.camera_places();
   const std::vector<Vec2d> walk =
-      p.space.walk(p.options.training_views, static_cast<size_t>(p.random.below(static_cast<int>(places.size()))));
+      p.walkable.walk(p.options.training_views, static_cast<size_t>(p.random.below(static_cast<int>(places.size()))));
   std::vector<Station> stations;
   double height = p.random.uniform(1.3, 1.5);
   for (const Vec2d& at : walk) {

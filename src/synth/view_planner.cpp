@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "synth/synth_purpose.h"
 
 namespace aligngs {
 namespace {
@@ -13,7 +14,7 @@ constexpr int kSurfacePoints = 2500;  // samples of the room's surface by which 
 }  // namespace
 
 ViewPlanner::ViewPlanner(const RoomRays& s, const TrajectoryOptions& o, ThreadPool& p)
-    : scene(s), options(o), pool(p), space(s.room()), random(Random(o.seed).fork(41)) {
+    : scene(s), options(o), pool(p), walkable(s.room()), random(stream_of(Random(o.seed), SynthPurpose::kTrajectory)) {
   up = s.room().room_to_world.rotation.column(2);
   sample_surface();
 }
@@ -39,7 +40,7 @@ void ViewPlanner::sample_surface() {
   double total = 0;
   for (size_t t = 0; t < room.triangles.size(); ++t) cumulative.push_back(total += room.triangle_area(t));
   std::vector<Vec3d> eyes;
-  const auto& places = space.camera_places();
+  const auto& places = walkable.camera_places();
   for (int i = 0; i < 30; ++i) {
     const Vec2d p = places[static_cast<size_t>(random.below(static_cast<int>(places.size())))];
     eyes.push_back(world(p, random.uniform(1.1, 1.7)));

@@ -6,9 +6,9 @@
 
 #include "core/random.h"
 #include "core/thread_pool.h"
-#include "synth/free_space.h"
 #include "synth/raytracer.h"
 #include "synth/trajectory.h"
+#include "synth/walkable_floor.h"
 
 namespace aligngs {
 
@@ -17,7 +17,7 @@ struct ViewPlanner {
   const RoomRays& scene;
   const TrajectoryOptions& options;
   ThreadPool& pool;
-  FreeSpace space;
+  WalkableFloor walkable;
   Random random;
   Vec3d up;                            ///< world
   std::vector<Vec3d> points, normals;  ///< on the surface, world: by them views are judged

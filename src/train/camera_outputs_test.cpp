@@ -20,7 +20,9 @@ class CameraOutputs : public testing::Test {
     scene_.views[0].camera.world_to_camera.rotation = rotation_matrix(normalized(Quaterniond{0.9, 0.1, -0.2, 0.3}));
     run_ = test_scene::fresh_folder("run");
     fs::create_directories(run_);
-    write_camera_outputs(RunFolder(run_), scene_, TrainConfig{});
+    TrainConfig config;
+    config.data.scale = 1;
+    write_camera_outputs(RunFolder(run_), scene_, config);
   }
 
   void expect_same_poses(const Capture& capture) const {

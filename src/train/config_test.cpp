@@ -59,6 +59,21 @@ std::vector<std::string> words_of(const ConfigKey& key) {
   return words;
 }
 
+TEST(ConfigKeys, NothingHasAValueUntilAPresetFillsIt) {
+  TrainConfig empty;
+  for (const ConfigKey& key : config_keys()) {
+    const ConfigField field = key.field(empty);
+    if (const auto* choice = std::get_if<ChoiceField>(&field)) {
+      EXPECT_EQ(*static_cast<const int*>(choice->field), 0) << key.name;  // the first one: none is chosen
+      continue;
+    }
+    const ConfigValue value = get_config(empty, key);
+    const bool none = value == ConfigValue(0.0) || value == ConfigValue(int64_t(0)) || value == ConfigValue(false) ||
+                      value == ConfigValue(std::string());
+    EXPECT_TRUE(none) << key.name << " is " << config_value_text(value);
+  }
+}
+
 TEST(ConfigKeys, EveryWordOfAChoiceMakesARoundTrip) {
   size_t choices = 0;
   for (const ConfigKey& key : config_keys()) {

@@ -45,7 +45,7 @@ TEST(PoseRefinement, AGradientThatIsNoNumberChangesNothing) {
 /// The whole way: a photo taken by the engine itself, a camera that is wrong, and a scene that does not change.
 TEST(PoseRefinement, FindsTheCameraThatTookThePhoto) {
   using namespace cpu::testing_scene;
-  cpu::testing_scene::SceneOptions o;
+  cpu::testing_scene::RandomSceneOptions o;
   o.width = 96;
   o.height = 72;
   o.gaussians = 300;

@@ -10,6 +10,7 @@
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "train/config_keys.h"
+#include "train/loss_schedule.h"
 #include "train/run_folder.h"
 #include "train/testing/textured_scene.h"
 #include "train/train_run.h"
@@ -29,25 +30,20 @@ constexpr double kNothing = 1e-5;    // beside 1: terms such as 1 - correlation 
 constexpr int kSteps = 24;
 constexpr double kBump = 0.02;  // error of the prior depth
 
-/// Every term acts in the first step.
-const Sets kEveryTerm = {"loss.flatten=10",
-                         "loss.prior_normal=0.05",
-                         "loss.normal_consistency=0.015",
-                         "loss.normal_boundary=0.01",
-                         "loss.crease=0.02",
-                         "loss.opacity_l1=0.01",
-                         "loss.scale_l1=0.01",
-                         "loss.multi_view_geometric=0.03",
-                         "loss.multi_view_photometric=0.15",
-                         "loss.multi_view_from=0",
-                         "loss.normal_start=0",
-                         "loss.depth_start=0"};
-const Sets kLogDepth = {"loss.log_depth=0.5", "loss.log_depth_end=0.02"};
-const Sets kPearson = {"loss.log_depth=0", "loss.pearson=0.5"};
-
 Sets joined(Sets a, const Sets& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
+}
+
+/// Every loss of the schedule acts in the first step, but the correlation does so without L_z alone.
+Sets every_term(bool log_depth) {
+  Sets sets = {"loss.multi_view_from=0", "loss.normal_start=0", "loss.depth_start=0"};
+  for (const ScheduledLoss& row : scheduled_losses()) {
+    const std::string key(row.key), weight = row.loss == Loss::kLogDepth && !log_depth ? "=0" : "=0.05";
+    sets.push_back(key + weight);
+    if (row.end != nullptr) sets.push_back(key + "_end" + weight);
+  }
+  return sets;
 }
 
 class ScaleInvariance : public test_train::QuietRuns {
@@ -89,8 +85,8 @@ class ScaleInvariance : public test_train::QuietRuns {
 
 TEST_F(ScaleInvariance, EveryLossOfTheFirstStep) {
   Losses acted;
-  for (const Sets& depth : {kLogDepth, kPearson}) {
-    const Sets sets = joined(kEveryTerm, depth);
+  for (const bool log_depth : {true, false}) {
+    const Sets sets = every_term(log_depth);
     const Losses want = last_losses(1, "default", 1, sets);
     for (const auto& [term, value] : want) acted[term] += std::abs(value);
     for (const double scale : kScales)

@@ -1,8 +1,9 @@
 // Runs every case of the parity data: outputs of the publishers' own programs, to be matched.
-// Each folder below that of the environment variable ALIGNGS_PARITY_DIR is a case. Without the
-// variable these are the cases that come with the sources, and those of ../shared/parity and
-// ../shared/parity_new where they are there. Exit status 0: all match, 1: something does not, or there is nothing to
-// run, 77: there is no device for modes that need one.
+// Usage: parity_tests [sources|shared]     default: both
+// "sources" are the cases that come with the sources, "shared" those of ../shared/parity and ../shared/parity_new. The
+// second ones are skipped where they are missing. With the environment variable ALIGNGS_PARITY_DIR each folder below it
+// is a case, and there are no others. Exit status 0: all match. 1: something does not, or there is nothing to run. 77:
+// everything was skipped, for want of the data, or of a device for modes that need one.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -83,18 +84,29 @@ std::vector<fs::path> cases_in(const fs::path& root) {
   return cases;
 }
 
-int run() {
-  if (modes().empty()) return 77;
+/// The folders to look in. `which`: see above; empty: both.
+std::vector<fs::path> roots_of(const std::string& which) {
+  if (const char* const variable = std::getenv("ALIGNGS_PARITY_DIR")) return {fs::path(variable)};
+  if (!which.empty() && which != "sources" && which != "shared")
+    throw_usage("unknown cases '" + which + "'", "use sources or shared");
+  const fs::path sources = ALIGNGS_SOURCE_DIR;
   std::vector<fs::path> roots;
-  if (const char* const variable = std::getenv("ALIGNGS_PARITY_DIR")) {
-    roots = {fs::path(variable)};
-  } else {
-    const fs::path sources = ALIGNGS_SOURCE_DIR;
-    roots = {sources / "tests/data/parity"};
-    for (const char* const folder : {"../shared/parity", "../shared/parity_new"}) {
-      if (fs::is_directory(sources / folder)) roots.push_back(sources / folder);
+  if (which != "shared") roots.push_back(sources / "tests/data/parity");
+  if (which == "sources") return roots;
+  for (const char* const folder : {"../shared/parity", "../shared/parity_new"}) {
+    if (fs::is_directory(sources / folder)) {
+      roots.push_back(sources / folder);
+    } else {
+      std::printf("skipped: there are no parity cases in %s\n", folder);
     }
   }
+  return roots;
+}
+
+int run(const std::string& which) {
+  if (modes().empty()) return 77;
+  const std::vector<fs::path> roots = roots_of(which);
+  if (roots.empty()) return 77;
   ThreadPool pool;
   size_t count = 0;
   int failed = 0;
@@ -111,9 +123,9 @@ int run() {
 }  // namespace
 }  // namespace aligngs::parity
 
-int main() {
+int main(int argc, char** argv) {
   try {
-    return aligngs::parity::run();
+    return aligngs::parity::run(argc > 1 ? argv[1] : "");
   } catch (const std::exception& error) {
     std::printf("FAIL: %s\n", error.what());
     return 1;

@@ -141,13 +141,8 @@ bool acts(const ChartSeries& series) {
 
 /// One chart per stage of the catalogue with a loss that acted in some step.
 std::string loss_charts(const std::vector<Json>& events) {
-  const std::pair<LossStage, const char*> stages[] = {{LossStage::kColor, "colour"},
-                                                      {LossStage::kGeometry, "depth and normals"},
-                                                      {LossStage::kTwoViews, "two views"},
-                                                      {LossStage::kSemantics, "classes"},
-                                                      {LossStage::kShape, "shape of the Gaussians"}};
   std::string html;
-  for (const auto& [stage, title] : stages) {
+  for (const auto& [stage, title] : kLossStages) {
     std::vector<std::string> names;
     for (const Loss loss : losses_of(stage)) names.emplace_back(row_of(loss).name);
     std::vector<ChartSeries> series;

@@ -220,6 +220,8 @@ StepRequest benchmark_request() {
   r.extent = 3;
   r.rates = {1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f};
   r.losses.weight = benchmark_weights();
+  r.losses.semantic_blend = SemanticBlend::kProbabilities;
+  r.losses.coupling = SemanticCoupling::kBounded;
   r.losses.coupling_strength = 0.1f;
   r.losses.log_depth_huber = 0.02f;
   r.adam.skip_invisible_semantics = true;

@@ -13,7 +13,7 @@ constexpr double kShapeFloats = 11;  // position, scale, rotation, opacity
 constexpr double kShFloats = 48;     // degree 3
 constexpr double kAdamBytes = 28;    // read p, m, v, g; write p, m, v
 constexpr double kSplatBytes = sizeof(cpu::Splat);
-constexpr double kSlotBytes = sizeof(cpu::SplatGradient);
+constexpr double kSlotBytes = sizeof(cpu::CoupledSplatGradient);
 
 }  // namespace
 
@@ -56,7 +56,7 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
     return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels,
             2 * kFloat * share * touched * channels};
   }
-  if (stage == "reduce") {
+  if (stage == "parameter_gradients") {
     return {700 * touched, 0,
             kSlotBytes * used + (kSlotBytes + kSplatBytes + 2 * (kShapeFloats + kShFloats) * kFloat) * touched};
   }

@@ -55,8 +55,9 @@ std::unique_ptr<Engine> engine_for(const StepBenchmarkOptions& options) {
 }  // namespace
 
 const std::vector<std::string>& stage_names() {
-  static const std::vector<std::string> names = {"project",  "bin",       "forward", "semantic_rows", "losses",
-                                                 "backward", "semantics", "reduce",  "optimise"};
+  static const std::vector<std::string> names = {"project", "bin",      "forward",   "semantic_rows",
+                                                 "losses",  "backward", "semantics", "parameter_gradients",
+                                                 "optimise"};
   return names;
 }
 

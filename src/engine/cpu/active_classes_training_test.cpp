@@ -20,7 +20,7 @@ using namespace testing_scene;
 TEST(ActiveClasses, MatrixTilesWithARemainderGiveTheGradientsOfFloat32) {
   if (!matrix_tiles_available()) GTEST_SKIP() << "this processor has no matrix tiles";
   for (const int channels : {40, 150, 151}) {
-    const SceneOptions o = options(channels);
+    const RandomSceneOptions o = options(channels);
     const TrainingView view = teacher_view(o, true);
     for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
       SCOPED_TRACE(testing::Message() << channels << " classes, blend " << int(blend));
@@ -44,7 +44,7 @@ TEST(ActiveClasses, MatrixTilesWithARemainderGiveTheGradientsOfFloat32) {
 
 TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
   for (const int channels : {40, 150, 151}) {
-    const SceneOptions o = options(channels);
+    const RandomSceneOptions o = options(channels);
     const GaussianModel model = model_with_remainder(o);
     const TrainingView view = teacher_view(o, false);
     for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
@@ -110,7 +110,7 @@ LabelCounts compare_labels(const CpuEngine& all, const CpuEngine& few, const Tra
 /// Four fifths of the teacher's mass, and most of every row's, on classes that no pixel ranks high: together they
 /// outweigh every single class. Yet the teacher's label and the rendered one are the best single class.
 TEST(ActiveClasses, TheRemainderIsNoLabelHoweverMuchItHolds) {
-  const SceneOptions o = options(150);
+  const RandomSceneOptions o = options(150);
   const TrainingView view = teacher_view(o, false, 0.8);
   const std::vector<uint8_t> active = active_flags(o.channels);
   GaussianModel model = make_model(o);
@@ -173,7 +173,7 @@ constexpr double kHardAgreement = 0.002;  ///< nats
 constexpr double kSameLabels = 0.995;     ///< of the labelled pixels
 
 TEST(ActiveClasses, TrainingAgreesWithAllClasses) {
-  const SceneOptions o = options(150);
+  const RandomSceneOptions o = options(150);
   GaussianModel model = make_model(o);
   std::fill(model.semantics.begin(), model.semantics.end(), 0.0f);
   const TrainingView view = teacher_view(o, true);

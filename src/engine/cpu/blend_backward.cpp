@@ -165,7 +165,7 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
   Behind behind;
   start_behind(raster, in, behind);
   StripCursor cursor(tile, options);
-  HWY_ALIGN float sums[kSplatGradientFloats];
+  HWY_ALIGN float sums[kCoupledSplatGradientFloats];
   for (size_t i = tile.count; i-- > 0;) {
     const Splat& g = tile.splats[i];
     FloatVec c0 = zero, c1 = zero, c2 = zero, w_sum = zero, n0 = zero, n1 = zero, n2 = zero, dist = zero;
@@ -257,7 +257,7 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
     // Whole cache lines that nobody reads before the sweep ends: past the caches.
     float* to = reinterpret_cast<float*>(
         out.slots + static_cast<size_t>(g.slot_origin + int64_t(out.tile_y) * g.slot_stride + out.tile_x));
-    for (size_t k = 0; k < kSplatGradientFloats; k += kLanes) hn::Stream(hn::Load(d, sums + k), d, to + k);
+    for (size_t k = 0; k < kCoupledSplatGradientFloats; k += kLanes) hn::Stream(hn::Load(d, sums + k), d, to + k);
   }
   hwy::FlushStream();
 }

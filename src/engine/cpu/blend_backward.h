@@ -3,28 +3,19 @@
 
 #include "engine/cpu/tile_weights.h"
 #include "engine/formulas/projection.h"
+#include "engine/shared/splat_gradient.h"
 
 namespace aligngs::cpu {
 
-/// Sums over pixels that one Gaussian receives from one tile. g is dL/dpower of a pixel, and (p, r) = F^T (dx, dy) is
-/// its whitened offset (see Splat). The moments of g give mean, conic and opacity. They are kept in whitened form
-/// because the moments of (dx, dy) cancel for needles.
-struct alignas(64) SplatGradient {
-  float color[3];
-  float weight;  ///< sum of w
-  float normal[3];
-  float distance;
-  float p, r, one, pp;  ///< sums of g p, g r, g, g p^2: losses of the maps
-  float pr, rr;
-  float residual;                              ///< sum of w * colour residual
-  float unsupported;                           ///< sum of w where the prior depth does not support this Gaussian
-  float photometric_p, photometric_r;          ///< sums of g p, g r of the colour losses alone
-  float photometric_abs_p, photometric_abs_y;  ///< sums of |g p| and |g (fxy p + fyy r)|
-  float coupling_p, coupling_r, coupling_one, coupling_pp;  ///< the same moments for the semantic coupling
-  float coupling_pr, coupling_rr, unused[6];
+/// The sums of one Gaussian in one tile, and the same moments of the semantic coupling.
+struct alignas(64) CoupledSplatGradient {
+  SplatGradient maps;  ///< of losses of the maps
+  float coupling_p, coupling_r, coupling_one, coupling_pp, coupling_pr, coupling_rr;
+  float unused[6];
 };
-inline constexpr size_t kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
-static_assert(kSplatGradientFloats == 32, "two cache lines of their own: they are written to any place in memory");
+inline constexpr size_t kCoupledSplatGradientFloats = sizeof(CoupledSplatGradient) / sizeof(float);
+static_assert(kCoupledSplatGradientFloats == 32,
+              "two cache lines of their own: they are written to any place in memory");
 
 /// dL / d maps of a tile, block after block, and what density statistics need of its pixels. Zero outside the image.
 struct TileGradients {
@@ -47,7 +38,7 @@ struct BackwardOptions {
 
 /// Destination of the sums of the tile's Gaussians: slots[slot of the instance], see Splat.
 struct TileSlots {
-  SplatGradient* slots;
+  CoupledSplatGradient* slots;
   int tile_x, tile_y;
 };
 

@@ -243,11 +243,12 @@ StepReport CpuEngine::step(const StepRequest& request) {
   last_probabilities_ = probabilities;
 
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
-  const ParameterGradientInputs reduce{model_, frame_.view, frame_.lists,   frame_.record,
-                                       slots_, request,     report.visible, static_cast<float>(report.coupling_scale)};
+  const ParameterGradientInputs inputs_of_rows{
+      model_, frame_.view, frame_.lists,   frame_.record,
+      slots_, request,     report.visible, static_cast<float>(report.coupling_scale)};
   ParameterGradientTotals totals;
-  const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, totals, gradients_);
-  watch.lap("reduce");
+  const BadGradient bad = parameter_gradients(inputs_of_rows, *pool_, report.losses, totals, gradients_);
+  watch.lap("parameter_gradients");
   if (const char* term = non_finite_loss(report.losses)) {
     report.non_finite = locate({true, -1, term});
     return report;
@@ -281,7 +282,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   if (!rounded) rounded_for_.reset();  // rows that this step changes are not rounded again
   model_.sh_degree = request.sh_degree;
   optimise(request, gradients_, semantic_gradients, frame_.view, *pool_, model_, moments_for_step());
-  if (density) add_density_statistics(reduce, gradients_, *pool_, statistics_);
+  if (density) add_density_statistics(inputs_of_rows, gradients_, *pool_, statistics_);
   if (semantics && bounded && strength != 0) {
     update_coupling_balance(totals.photometric_rms, totals.coupling_rms, balance_);
   }

@@ -16,7 +16,7 @@
 namespace aligngs::cpu {
 
 /// One view on its way through a step or a rendering. Kept from step to step for its memory.
-struct Frame {
+struct ViewFrame {
   ProjectedView view;
   TileLists lists;
   RenderMaps<float> maps;
@@ -116,7 +116,7 @@ class CpuEngine final : public Engine {
   std::optional<SemanticBlend> rounded_for_;  ///< empty: rows of rounded_ are not those of the model
 
   // Scratch, kept between calls.
-  mutable Frame frame_;
+  mutable ViewFrame frame_;
   mutable std::vector<TileScratch> scratch_;
   mutable RowBatches batches_;
   MapGradients<float> map_gradients_;

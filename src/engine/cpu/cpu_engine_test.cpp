@@ -23,7 +23,7 @@ using namespace testing_scene;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(CpuEngine, BitIdenticalForAnyNumberOfThreads) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 150;
   o.height = 70;
   o.gaussians = 2500;  // several chunks of every parallel loop
@@ -40,7 +40,7 @@ TEST(CpuEngine, BitIdenticalForAnyNumberOfThreads) {
 }
 
 TEST(CpuEngine, LossFallsOverSomeSteps) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(2);
   engine.load(make_model(o));
   engine.set_training_views({make_view(o)});
@@ -52,7 +52,7 @@ TEST(CpuEngine, LossFallsOverSomeSteps) {
 }
 
 TEST(CpuEngine, NothingVisibleLeavesTheModelAsItIs) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.depth_min = -3;
   o.depth_max = -1;  // all behind the camera
   CpuEngine engine(2);
@@ -88,7 +88,7 @@ TEST(CpuEngine, ShapesAreTheModelWithoutColoursAndClasses) {
 }
 
 TEST(CpuEngine, EmptyModelStepsAndRenders) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 0;
   CpuEngine engine(2);
   engine.load(make_model(o));
@@ -103,7 +103,7 @@ TEST(CpuEngine, EmptyModelStepsAndRenders) {
 }
 
 TEST(CpuEngine, SavedAndLoadedGoesOnAsIfNeverStopped) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine straight(2);
   straight.load(make_model(o));
   straight.set_training_views(two_views(o));
@@ -119,7 +119,7 @@ TEST(CpuEngine, SavedAndLoadedGoesOnAsIfNeverStopped) {
 }
 
 TEST(CpuEngine, RefusesAStateThatLacksAnArray) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   engine.load(make_model(o));
   EngineState state = state_of(engine);
@@ -136,7 +136,7 @@ TEST(CpuEngine, RefusesAStateThatLacksAnArray) {
 
 /// Steps after rows have changed places give the same rows, bit for bit, in the new places.
 TEST(CpuEngine, StepsDoNotDependOnTheOrderOfRows) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 0;  // the coupling's factor is a sum over rows, whose rounding depends on their order
   CpuEngine plain(1), ordered(1);
   for (CpuEngine* engine : {&plain, &ordered}) {
@@ -161,7 +161,7 @@ TEST(CpuEngine, StepsDoNotDependOnTheOrderOfRows) {
 }
 
 TEST(CpuEngine, RestructureCarriesMomentsAndZeroesThoseOfNewRows) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(2);
   engine.load(make_model(o));
   engine.set_training_views(two_views(o));
@@ -195,7 +195,7 @@ TEST(CpuEngine, RestructureCarriesMomentsAndZeroesThoseOfNewRows) {
 }
 
 TEST(CpuEngine, OpacityResetCapsAndForgets) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   engine.load(make_model(o));
   engine.set_training_views(two_views(o));
@@ -208,7 +208,7 @@ TEST(CpuEngine, OpacityResetCapsAndForgets) {
 }
 
 TEST(CpuEngine, NonFiniteParameterIsNamedAndNothingChanges) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   struct Case {
     const char* term;
     std::vector<float> GaussianModel::*values;
@@ -243,7 +243,7 @@ TEST(CpuEngine, NonFiniteParameterIsNamedAndNothingChanges) {
 }
 
 TEST(CpuEngine, NonFiniteLossIsNamedAndNothingChanges) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(2);
   engine.load(make_model(o));
   std::vector<TrainingView> views = two_views(o);
@@ -262,7 +262,7 @@ TEST(CpuEngine, NonFiniteLossIsNamedAndNothingChanges) {
 }
 
 TEST(CpuEngine, OverflowingGradientIsNamedAndNothingChanges) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(2);
   engine.load(make_model(o));
   engine.set_training_views({make_view(o)});
@@ -278,7 +278,7 @@ TEST(CpuEngine, OverflowingGradientIsNamedAndNothingChanges) {
 }
 
 TEST(CpuEngine, InvisibleSemanticRowsRestWhenAsked) {
-  SceneOptions o;
+  RandomSceneOptions o;
   CpuEngine engine(2);
   GaussianModel model = make_model(o);
   engine.load(model);
@@ -301,7 +301,7 @@ TEST(CpuEngine, InvisibleSemanticRowsRestWhenAsked) {
 }
 
 TEST(CpuEngine, ShapeLimitsHoldAfterAStep) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   engine.load(make_model(o));
   engine.set_training_views({make_view(o)});
@@ -320,7 +320,7 @@ TEST(CpuEngine, ShapeLimitsHoldAfterAStep) {
 }
 
 TEST(CpuEngine, RenderingMatchesTheReference) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   const GaussianModel model = make_model(o);
   CpuEngine engine(2);
   engine.load(model);
@@ -349,7 +349,7 @@ TEST(CpuEngine, RenderingMatchesTheReference) {
 }
 
 TEST(CpuEngine, LiftGivesEachRowTheTeacherItSees) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   GaussianModel model = make_model(o);
   std::fill(model.semantics.begin(), model.semantics.end(), 0.0f);
   CpuEngine engine(2);
@@ -399,7 +399,7 @@ TEST(CpuEngine, LiftGivesEachRowTheTeacherItSees) {
 }
 
 TEST(CpuEngine, ColoursOfHigherDegreeRestUntilTheyAreUsed) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   const GaussianModel before = make_model(o);
   engine.load(before);
@@ -416,7 +416,7 @@ TEST(CpuEngine, ColoursOfHigherDegreeRestUntilTheyAreUsed) {
 }
 
 TEST(CpuEngine, MisuseIsAnError) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   GaussianModel model = make_model(o);
   engine.load(model);

@@ -15,7 +15,7 @@ namespace {
 using namespace testing_scene;
 
 TEST(CpuEngine, NoiseMovesPositionsAloneAndAlikeOnAnyNumberOfThreads) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   GaussianModel model = make_model(o);
   for (size_t i = 0; i < model.size(); i += 2) model.opacity_logits[i] = -6;
   CpuEngine one(1), three(3);
@@ -33,7 +33,7 @@ TEST(CpuEngine, NoiseMovesPositionsAloneAndAlikeOnAnyNumberOfThreads) {
 }
 
 TEST(CpuEngine, MomentsAreZerosBeforeTheFirstStepAlsoWhereNoneAreHeld) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine loaded(1), resumed(1);
   loaded.load(make_model(o));
   const EngineState state = state_of(loaded);
@@ -50,7 +50,7 @@ TEST(CpuEngine, MomentsAreZerosBeforeTheFirstStepAlsoWhereNoneAreHeld) {
 }
 
 TEST(CpuEngine, ScalesAreRaisedAndMomentsKept) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   engine.load(make_model(o));
   engine.set_training_views(two_views(o));

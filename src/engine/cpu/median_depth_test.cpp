@@ -16,7 +16,7 @@ TEST(MedianDepth, AloneEqualsThatOfAWholeRendering) {
   for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    SceneOptions o;
+    RandomSceneOptions o;
     o.gaussians = 400;
     o.width = 83;  // cut tiles
     o.height = 59;

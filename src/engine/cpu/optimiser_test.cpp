@@ -14,7 +14,7 @@ namespace {
 using namespace testing_scene;
 
 TEST(CpuOptimiser, AdamFollowsTheFormula) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(2);
   engine.keep_features(true);
   const GaussianModel before = make_model(o);
@@ -50,7 +50,7 @@ TEST(CpuOptimiser, AdamFollowsTheFormula) {
 }
 
 TEST(CpuOptimiser, SemanticRowsAreCorrectedByTheirOwnUpdates) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(2);
   engine.set_semantic_products(SemanticProducts::kFloat32);  // gradients that are not rounded
   engine.keep_features(true);

@@ -15,7 +15,7 @@ namespace aligngs::cpu {
 namespace {
 
 /// rows per task; also the unit in which sums are formed, so never depends on threads
-constexpr size_t kReducedRowsPerTask = 512;
+constexpr size_t kGradientRowsPerTask = 512;
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
 
 Vec2<float> mean_gradient(const Splat& s, float p, float r) {
@@ -99,8 +99,9 @@ const char* bad_term(const ParameterGradients& g, size_t i) {
 
 /// Sums of the slots [begin, end) that are seen.
 ALIGNGS_TARGET_CLONES
-void sum_slots(const SplatGradient* slots, const uint8_t* seen, size_t begin, size_t end, SplatGradient& sum) {
-  static_assert(sizeof(SplatGradient) == 4 * sizeof(FloatLanes));
+void sum_slots(const CoupledSplatGradient* slots, const uint8_t* seen, size_t begin, size_t end,
+               CoupledSplatGradient& sum) {
+  static_assert(sizeof(CoupledSplatGradient) == 4 * sizeof(FloatLanes));
   FloatLanes a{}, b{}, c{}, d{};  // in registers
   for (size_t slot = begin; slot < end; ++slot) {
     if (seen[slot] == 0) continue;
@@ -115,8 +116,8 @@ void sum_slots(const SplatGradient* slots, const uint8_t* seen, size_t begin, si
   std::memcpy(static_cast<void*>(&sum), all, sizeof(all));
 }
 
-void add_squares(const Splat& s, const SplatGradient& sum, ChunkSums& out) {
-  const Vec2<float> photometric = mean_gradient(s, sum.photometric_p, sum.photometric_r);
+void add_squares(const Splat& s, const CoupledSplatGradient& sum, ChunkSums& out) {
+  const Vec2<float> photometric = mean_gradient(s, sum.maps.photometric_p, sum.maps.photometric_r);
   const Vec2<float> coupling = mean_gradient(s, sum.coupling_p, sum.coupling_r);
   out.photometric += static_cast<double>(photometric.x * photometric.x + photometric.y * photometric.y);
   out.coupling += static_cast<double>(coupling.x * coupling.x + coupling.y * coupling.y);
@@ -150,15 +151,15 @@ size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPoo
                     std::vector<uint8_t>& touched) {
   const size_t n = lists.rank.size();
   touched.resize(n);
-  std::vector<size_t> chunks((n + kReducedRowsPerTask - 1) / kReducedRowsPerTask, 0);
-  pool.parallel_for(n, kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
+  std::vector<size_t> chunks((n + kGradientRowsPerTask - 1) / kGradientRowsPerTask, 0);
+  pool.parallel_for(n, kGradientRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       uint8_t any = 0;
       for (uint64_t slot = lists.slot_begin[i]; slot < lists.slot_begin[i + 1]; ++slot) {
         any |= record.seen[static_cast<size_t>(slot)];
       }
       touched[i] = any;
-      chunks[begin / kReducedRowsPerTask] += any;
+      chunks[begin / kGradientRowsPerTask] += any;
     }
   });
   return std::accumulate(chunks.begin(), chunks.end(), size_t(0));
@@ -173,15 +174,15 @@ BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& p
   gradients.opacity_logits.resize(n);
   gradients.sh.resize(3 * kShCoefficients * n);
   if (in.request.collect_density) gradients.density.resize(n);
-  const size_t chunk_count = (n + kReducedRowsPerTask - 1) / kReducedRowsPerTask;
+  const size_t chunk_count = (n + kGradientRowsPerTask - 1) / kGradientRowsPerTask;
   std::vector<ChunkSums> sums(chunk_count);
   std::vector<BadGradient> bad(chunk_count);
   const ProjectBackwardInputs backward{in.model, in.view, in.request.sh_degree, in.coupling_scale,
                                        in.request.raster.dropout.factor()};
-  pool.parallel_for(n, kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
-    const size_t chunk = begin / kReducedRowsPerTask;
+  pool.parallel_for(n, kGradientRowsPerTask, [&](size_t begin, size_t end, int) {
+    const size_t chunk = begin / kGradientRowsPerTask;
     uint32_t rows[kMaxBackwardRows];
-    SplatGradient row_sums[kMaxBackwardRows];
+    CoupledSplatGradient row_sums[kMaxBackwardRows];
     RowGradient row[kMaxBackwardRows];
     size_t count = 0;
     thread_local ShapeValues values;
@@ -196,7 +197,7 @@ BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& p
         sum_slots(in.slots.data(), in.record.seen.data(), static_cast<size_t>(in.lists.slot_begin[i]),
                   static_cast<size_t>(in.lists.slot_begin[i + 1]), row_sums[count]);
         add_squares(in.view.splats[i], row_sums[count], sums[chunk]);
-        if (in.request.collect_density) gradients.density[i] = density_sums(row_sums[count]);
+        if (in.request.collect_density) gradients.density[i] = density_sums(row_sums[count].maps);
         ++count;
       }
       if (count < kMaxBackwardRows && (i + 1 < end || count == 0)) continue;
@@ -237,7 +238,7 @@ BadGradient parameter_gradients(const ParameterGradientInputs& in, ThreadPool& p
 void add_density_statistics(const ParameterGradientInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
                             DensityStatistics& statistics) {
   const float to_ndc_x = 0.5f * in.view.width, to_ndc_y = 0.5f * in.view.height;
-  pool.parallel_for(in.model.size(), kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(in.model.size(), kGradientRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       if (gradients.touched[i] == 0) continue;
       const DensitySums& d = gradients.density[i];

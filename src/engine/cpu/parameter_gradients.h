@@ -13,11 +13,6 @@
 
 namespace aligngs::cpu {
 
-/// Sums of a row that density control needs; see SplatGradient.
-struct DensitySums {
-  float photometric_p, photometric_r, photometric_abs_p, photometric_abs_y, weight, residual, unsupported;
-};
-
 /// Gradients of all parameters but the semantic rows.
 struct ParameterGradients {
   AlignedArray<float> positions, log_scales, rotations, opacity_logits;  ///< as in the model, every row

@@ -74,13 +74,13 @@ RoomWindow make_room_window() {
 }
 
 TEST_P(CpuParityAtLimits, NoGaussians) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 0;
   compare_step(make_model(o), make_view(o), make_geometry_request());
 }
 
 TEST_P(CpuParityAtLimits, ExactlyOneGaussian) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = o.height = 20;  // four tiles, the Gaussian over all of them
   GaussianModel model = with_dots({{16, 15, 2.0, 0.8}}, o, GaussianModel());
   ASSERT_EQ(model.size(), 1u);
@@ -98,7 +98,7 @@ TEST_P(CpuParityAtLimits, ExactlyOneGaussian) {
 
 /// So faint that no pixel closes: every pixel goes through all batches of 256 that the forward pass gathers.
 TEST_P(CpuParityAtLimits, TenThousandFaintGaussiansInOneTile) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = o.height = 16;
   o.gaussians = 10000;
   o.channels = 31;
@@ -127,7 +127,7 @@ TEST_P(CpuParityAtLimits, TenThousandFaintGaussiansInOneTile) {
 /// Dots before a room, each above or below the threshold by the least that float can express. One too many or too few
 /// moves its pixel's colour by some 1e-3.
 TEST_P(CpuParityAtLimits, AlphaAtItsThreshold) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   const StepRequest r = make_geometry_request();
   const double threshold = static_cast<double>(r.raster.alpha_min);
   std::vector<Dot> dots;
@@ -154,7 +154,7 @@ TEST_P(CpuParityAtLimits, AlphaAtItsThreshold) {
 /// Stacks of dots whose fourth would leave just more or just less than transmittance_min. It is the last one taken, or
 /// the first one not taken. The fainter fifth behind it is never taken, though there would be room for it.
 TEST_P(CpuParityAtLimits, TransmittanceAtItsThreshold) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   const StepRequest r = make_geometry_request();
   std::vector<Dot> dots;
   const double solid = opacity_of(logit_of(0.9)), three = std::pow(1 - solid, 3);

@@ -20,19 +20,19 @@ void compare_step_without_semantics(const GaussianModel& model, const TrainingVi
 }
 
 TEST(CpuParityWithoutSemantics, PhotometricLosses) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 0;
   compare_step_without_semantics(make_model(o), make_view(o), make_request());
 }
 
 TEST(CpuParityWithoutSemantics, GeometryLosses) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 0;
   compare_step_without_semantics(make_model(o), make_view(o), make_geometry_request());
 }
 
 TEST(CpuParityWithoutSemantics, OpacityDropout) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 0;
   StepRequest r = make_geometry_request();
   r.raster.dropout = {0.3f, 11};
@@ -40,7 +40,7 @@ TEST(CpuParityWithoutSemantics, OpacityDropout) {
 }
 
 TEST(CpuParityWithoutSemantics, ScaledPriorDepth) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 0;
   const GaussianModel model = make_model(o);
   StepRequest r = make_geometry_request();
@@ -58,12 +58,12 @@ TEST(CpuParityWithoutSemantics, ScaledPriorDepth) {
 }
 
 TEST_P(CpuParity, EveryLossWithBoundedCouplingOfProbabilities) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   compare_step(make_model(o), make_view(o), make_geometry_request());
 }
 
 TEST_P(CpuParity, PlainCouplingOfProbabilities) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_request();
   r.losses.coupling = SemanticCoupling::kPlain;
   r.losses.coupling_strength = 1;
@@ -73,7 +73,7 @@ TEST_P(CpuParity, PlainCouplingOfProbabilities) {
 }
 
 TEST_P(CpuParity, PlainCouplingOfLogits) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_request();
   r.losses.semantic_blend = SemanticBlend::kLogits;
   r.losses.coupling = SemanticCoupling::kPlain;
@@ -82,21 +82,21 @@ TEST_P(CpuParity, PlainCouplingOfLogits) {
 }
 
 TEST_P(CpuParity, BoundedCouplingOfLogits) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_request();
   r.losses.semantic_blend = SemanticBlend::kLogits;
   compare_step(make_model(o), make_view(o), r);
 }
 
 TEST_P(CpuParity, NoCoupling) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_request();
   r.losses.coupling_strength = 0;
   compare_step(make_model(o), make_view(o), r);
 }
 
 TEST_P(CpuParity, OpacityInPlaceOfACoupling) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_request();
   r.losses.coupling = SemanticCoupling::kOpacity;
   compare_step(make_model(o), make_view(o), r);
@@ -105,7 +105,7 @@ TEST_P(CpuParity, OpacityInPlaceOfACoupling) {
 }
 
 TEST_P(CpuParity, PartOfThePixels) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_request();
   for (const SemanticSample sample : {SemanticSample{2, 1, 4}, SemanticSample{1, 2, 4}, SemanticSample{1, 3, 5}}) {
     r.losses.semantic_sample = sample;
@@ -117,14 +117,14 @@ TEST_P(CpuParity, PartOfThePixels) {
 }
 
 TEST_P(CpuParity, NoPixelInThisVisit) {
-  const SceneOptions o;  // one square only, whose turn is another
+  const RandomSceneOptions o;  // one square only, whose turn is another
   StepRequest r = make_request();
   r.losses.semantic_sample = {1, 2};
   compare_step(make_model(o), make_view(o), r);
 }
 
 TEST_P(CpuParity, OneClass) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 1;
   compare_step(make_model(o), make_view(o), make_request());
 }
@@ -132,7 +132,7 @@ TEST_P(CpuParity, OneClass) {
 TEST_P(CpuParity, HundredAndFiftyClassesAndOneMore) {
   for (const int channels : {150, 151}) {
     SCOPED_TRACE(channels);
-    SceneOptions o;
+    RandomSceneOptions o;
     o.channels = channels;
     o.gaussians = 120;
     {
@@ -149,21 +149,21 @@ TEST_P(CpuParity, HundredAndFiftyClassesAndOneMore) {
 }
 
 TEST_P(CpuParity, SmoothCutoff) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest r = make_geometry_request();
   r.raster.smooth_cutoff = true;
   compare_step(make_model(o), make_view(o), r);
 }
 
 TEST_P(CpuParity, TinyGaussians) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.log_scale_min = -12;
   o.log_scale_max = -7;  // the low-pass alone gives them their size
   compare_step(make_model(o), make_view(o), make_geometry_request());
 }
 
 TEST_P(CpuParity, HugeGaussians) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 60;
   o.log_scale_min = 0;
   o.log_scale_max = 4;
@@ -172,7 +172,7 @@ TEST_P(CpuParity, HugeGaussians) {
 }
 
 TEST_P(CpuParity, Needles) {
-  SceneOptions o;
+  RandomSceneOptions o;
   GaussianModel m = make_model(o);
   for (size_t i = 0; i < m.size(); ++i) {
     m.log_scales[3 * i] = 0.5f;  // hundreds of pixels long, one wide
@@ -187,7 +187,7 @@ TEST_P(CpuParity, Needles) {
 }
 
 TEST_P(CpuParity, OpaqueStackBehindWhichNothingShows) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 400;
   o.log_scale_min = -2;
   o.log_scale_max = -0.5;
@@ -197,7 +197,7 @@ TEST_P(CpuParity, OpaqueStackBehindWhichNothingShows) {
 }
 
 TEST_P(CpuParity, NearPlaneAndBehindTheCamera) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.depth_min = -1;
   o.depth_max = 0.6;
   o.log_scale_max = -3;
@@ -209,27 +209,27 @@ TEST_P(CpuParity, NearPlaneAndBehindTheCamera) {
 }
 
 TEST_P(CpuParity, OnePixel) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = o.height = 1;
   o.gaussians = 40;
   compare_step(make_model(o), make_view(o), make_request());
 }
 
 TEST_P(CpuParity, OneRowOfPixels) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 41;
   o.height = 1;
   compare_step(make_model(o), make_view(o), make_request());
 }
 
 TEST_P(CpuParity, ExactlyOneTile) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = o.height = 16;
   compare_step(make_model(o), make_view(o), make_geometry_request());
 }
 
 TEST_P(CpuParity, EveryInstructionSet) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 37;
   o.gaussians = 150;
   const GaussianModel model = make_model(o);

@@ -13,7 +13,8 @@ namespace {
 
 using namespace testing_scene;
 
-StepReport step(const SceneOptions& o, const StepRequest& request, int threads, GaussianModel* gradients = nullptr) {
+StepReport step(const RandomSceneOptions& o, const StepRequest& request, int threads,
+                GaussianModel* gradients = nullptr) {
   CpuEngine engine(threads);
   engine.keep_features(true);
   engine.load(make_model(o));
@@ -24,7 +25,7 @@ StepReport step(const SceneOptions& o, const StepRequest& request, int threads, 
 }
 
 TEST(CpuPoseGradient, IsTheFormulaSummedOverTheRows) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   StepRequest request = make_geometry_request();
   request.pose_gradient = true;
   GaussianModel gradients;
@@ -39,7 +40,7 @@ TEST(CpuPoseGradient, IsTheFormulaSummedOverTheRows) {
 }
 
 TEST(CpuPoseGradient, DoesNotDependOnThreadsAndIsZeroUnlessAskedFor) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 2000;
   StepRequest request = make_geometry_request();
   EXPECT_EQ(norm(step(o, request, 1).pose.translation), 0);
@@ -52,7 +53,7 @@ TEST(CpuPoseGradient, DoesNotDependOnThreadsAndIsZeroUnlessAskedFor) {
 }
 
 TEST(CpuPoseGradient, NothingInViewMovesNoCamera) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   CpuEngine engine(1);
   engine.load(make_model(o));
   engine.set_training_views({make_view(o)});

@@ -32,7 +32,7 @@ HWY_INLINE void range(FloatVec mean, FloatVec extent, int size, FloatVec& first,
 }
 
 /// Results of a batch, for the scalar code that stores them.
-struct Batch {
+struct LaneBatch {
   HWY_ALIGN float fields[17][kLanes];  ///< in the order of Splat
   HWY_ALIGN float radius[kLanes], visible[kLanes], suspect[kLanes];
   HWY_ALIGN float x0[kLanes], y0[kLanes], x1[kLanes], y1[kLanes];  ///< pixels
@@ -72,7 +72,7 @@ HWY_INLINE void load_shapes(const GaussianModel& model, size_t first, const int3
 /// The vector twin of project() in engine/formulas/projection.h and sh_color() in color.h, for the rows at `offsets`
 /// from `first`.
 void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows, const ProjectionCamera<float>& camera,
-                   const RasterSettings& raster, int sh_degree, Batch& out) {
+                   const RasterSettings& raster, int sh_degree, LaneBatch& out) {
   const FloatTag d;
   LaneShape g;
   load_shapes(model, first, rows, g);
@@ -190,7 +190,7 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
 int64_t ProjectRows(const GaussianModel& model, const RasterSettings& raster, int sh_degree, size_t begin, size_t end,
                     ProjectedView& view) {
   int64_t suspect = -1;
-  Batch batch;
+  LaneBatch batch;
   int32_t rows[kLanes];
   for (size_t i = begin; i < end; i += kLanes) {
     const size_t n = HWY_MIN(kLanes, end - i);

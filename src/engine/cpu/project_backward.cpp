@@ -26,43 +26,27 @@ constexpr size_t kSplatNormal = offsetof(Splat, normal) / sizeof(float);
 constexpr size_t kSplatFields = 16;  ///< a multiple of 4 that holds those above
 static_assert(kSplatNormal + 3 <= kSplatFields);
 
-/// Places in SplatGradient, as numbers.
-#define ALIGNGS_PLACE_OF_SUM(name, field) constexpr size_t name = (offsetof(SplatGradient, field) / sizeof(float))
-ALIGNGS_PLACE_OF_SUM(kSumColor, color);
-ALIGNGS_PLACE_OF_SUM(kSumNormal, normal);
-ALIGNGS_PLACE_OF_SUM(kSumDistance, distance);
-ALIGNGS_PLACE_OF_SUM(kSumP, p);
-ALIGNGS_PLACE_OF_SUM(kSumR, r);
-ALIGNGS_PLACE_OF_SUM(kSumOne, one);
-ALIGNGS_PLACE_OF_SUM(kSumPp, pp);
-ALIGNGS_PLACE_OF_SUM(kSumPr, pr);
-ALIGNGS_PLACE_OF_SUM(kSumRr, rr);
-ALIGNGS_PLACE_OF_SUM(kSumCouplingP, coupling_p);
-ALIGNGS_PLACE_OF_SUM(kSumCouplingR, coupling_r);
-ALIGNGS_PLACE_OF_SUM(kSumCouplingOne, coupling_one);
-ALIGNGS_PLACE_OF_SUM(kSumCouplingPp, coupling_pp);
-ALIGNGS_PLACE_OF_SUM(kSumCouplingPr, coupling_pr);
-ALIGNGS_PLACE_OF_SUM(kSumCouplingRr, coupling_rr);
-#undef ALIGNGS_PLACE_OF_SUM
 /// Places in RowGradient, as numbers.
 constexpr size_t kRowPosition = offsetof(RowGradient, position) / sizeof(float);
 constexpr size_t kRowLogScale = offsetof(RowGradient, log_scale) / sizeof(float);
 constexpr size_t kRowRotation = offsetof(RowGradient, rotation) / sizeof(float);
 constexpr size_t kRowOpacityLogit = offsetof(RowGradient, opacity_logit) / sizeof(float);
 
+constexpr size_t kRowFields = sizeof(RowGradient) / sizeof(float);
+
 /// Inputs of a batch, one row per lane.
 struct LaneInputs {
   HWY_ALIGN float position[3][kLanes], log_scale[3][kLanes], rotation[4][kLanes];
   HWY_ALIGN float sh[3 * kShCoefficients][kLanes];
-  HWY_ALIGN float sums[kSplatGradientFloats][kLanes];  ///< SplatGradient
-  HWY_ALIGN float splat[kSplatFields][kLanes];         ///< Splat
+  HWY_ALIGN float sums[kCoupledSplatGradientFloats][kLanes];  ///< CoupledSplatGradient
+  HWY_ALIGN float splat[kSplatFields][kLanes];                ///< Splat
 };
 struct LaneOutputs {
-  HWY_ALIGN float row[11][kLanes];  ///< in the order of RowGradient
+  HWY_ALIGN float row[kRowFields][kLanes];  ///< in the order of RowGradient
   HWY_ALIGN float sh[3 * kShCoefficients][kLanes];
 };
 
-void load_lanes(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums, size_t count,
+void load_lanes(const ProjectBackwardInputs& in, const uint32_t* rows, const CoupledSplatGradient* sums, size_t count,
                 LaneInputs& out) {
   const GaussianModel& m = in.model;
   const float *sh[kLanes], *sum[kLanes], *splats[kLanes], *rotations[kLanes];
@@ -77,7 +61,7 @@ void load_lanes(const ProjectBackwardInputs& in, const uint32_t* rows, const Spl
   }
   rows_to_lanes(rotations, 4, out.rotation);
   rows_to_lanes(sh, whole_quads(static_cast<size_t>(3 * sh_coefficient_count(in.sh_degree))), out.sh);
-  rows_to_lanes(sum, kSplatGradientFloats, out.sums);
+  rows_to_lanes(sum, kCoupledSplatGradientFloats, out.sums);
   rows_to_lanes(splats, kSplatFields, out.splat);
 }
 
@@ -216,8 +200,8 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   hn::Store(position(2, ddirection.z, ray.z), d, out.row[kRowPosition + 2]);
 }
 
-void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums, size_t count,
-                         RowGradient* gradients, float* sh_gradients) {
+void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const CoupledSplatGradient* sums,
+                         size_t count, RowGradient* gradients, float* sh_gradients) {
   static_assert(sizeof(RowGradient) == 11 * sizeof(float));
   LaneInputs inputs;
   LaneOutputs outputs;
@@ -247,7 +231,7 @@ namespace aligngs::cpu {
 
 HWY_EXPORT(ProjectBackwardRows);
 
-void project_backward_rows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums,
+void project_backward_rows(const ProjectBackwardInputs& in, const uint32_t* rows, const CoupledSplatGradient* sums,
                            size_t count, RowGradient* gradients, float* sh_gradients) {
   HWY_DYNAMIC_DISPATCH(ProjectBackwardRows)(in, rows, sums, count, gradients, sh_gradients);
 }

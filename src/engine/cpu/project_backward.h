@@ -26,7 +26,7 @@ inline constexpr size_t kMaxBackwardRows = 16;
 
 /// For rows[0..count), all touched, with their sums over the view: gradients[k], and sh_gradients[rows[k]][48], whose
 /// unused coefficients are set to zero.
-void project_backward_rows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums,
+void project_backward_rows(const ProjectBackwardInputs& in, const uint32_t* rows, const CoupledSplatGradient* sums,
                            size_t count, RowGradient* gradients, float* sh_gradients);
 
 }  // namespace aligngs::cpu

@@ -25,7 +25,7 @@ std::vector<float> by_row(const TileWeights& tile, const BlockWeights& block, si
   return out;
 }
 
-void expect_same_weights(const SceneOptions& o, const RasterSettings& raster) {
+void expect_same_weights(const RandomSceneOptions& o, const RasterSettings& raster) {
   ThreadPool pool(2);
   const GaussianModel model = make_model(o);
   ProjectedView view;
@@ -60,13 +60,13 @@ TEST(RecomputedWeights, EqualThoseOfTheForwardPass) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     SCOPED_TRACE(hwy::TargetName(target));
-    SceneOptions o;
+    RandomSceneOptions o;
     o.gaussians = 600;
     RasterSettings raster;
     expect_same_weights(o, raster);
     raster.smooth_cutoff = true;
     expect_same_weights(o, raster);
-    SceneOptions opaque = o;  // most pixels close
+    RandomSceneOptions opaque = o;  // most pixels close
     opaque.log_scale_min = -2;
     opaque.log_scale_max = -0.5;
     opaque.logit_min = 3;
@@ -78,7 +78,7 @@ TEST(RecomputedWeights, EqualThoseOfTheForwardPass) {
 }
 
 TEST(RecomputedWeights, NothingInViewLeavesNothing) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 0;
   expect_same_weights(o, RasterSettings());
 }

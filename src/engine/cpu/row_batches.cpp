@@ -71,7 +71,7 @@ uint64_t RowBatches::bytes() const {
   return bytes;
 }
 
-bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
+bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const RowSumTarget& sums, ThreadPool& pool,
                      const Visit& visit) {
   const Grid grid(view.tiles_x, view.tiles_y, group_size(view.tiles_x, view.tiles_y));
   const auto entries_of = [&](size_t tile) {
@@ -115,8 +115,8 @@ bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
   return std::all_of(harmless.begin(), harmless.end(), [](uint8_t good) { return good != 0; });
 }
 
-bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, GroupSums& own,
-                              SharedRows& shared) {
+bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSumTarget& sums,
+                              GroupSums& own, SharedRows& shared) {
   const auto inside = [&](const TileRect& r) {
     return r.x0 >= group.x0 && r.y0 >= group.y0 && r.x1 <= group.x1 && r.y1 <= group.y1;
   };
@@ -151,7 +151,7 @@ bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, 
   return harmless;
 }
 
-void RowBatches::add_shared(const RowSums& sums, size_t groups, ThreadPool& pool) {
+void RowBatches::add_shared(const RowSumTarget& sums, size_t groups, ThreadPool& pool) {
   const size_t partitions = 4 * static_cast<size_t>(pool.size()), padded = sums.padded;
   std::vector<uint8_t>& written = *sums.written;
   pool.parallel_for(partitions, 1, [&](size_t begin, size_t end, int) {

@@ -12,7 +12,7 @@
 namespace aligngs::cpu {
 
 /// Rows are added to destination + target * padded, where target is the Gaussian's row or target_of_row of it.
-struct RowSums {
+struct RowSumTarget {
   size_t padded = 0;
   const uint32_t* target_of_row = nullptr;  ///< nullptr: the row itself
   size_t targets = 0;
@@ -64,7 +64,7 @@ class RowBatches {
 
   /// Calls visit for every tile. It may ask for the rows of Gaussians of that tile's list only. Returns false when some
   /// group's sum was not a number or beyond kHarmless: then the sums over all groups are to be looked at.
-  bool run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
+  bool run(const ProjectedView& view, const TileLists& lists, const RowSumTarget& sums, ThreadPool& pool,
            const Visit& visit);
 
   uint64_t bytes() const;
@@ -76,9 +76,9 @@ class RowBatches {
   /// Few enough that the sums of a billion groups stay within kGradientLimit (adam.h).
   static constexpr float kHarmless = 1e8f;
 
-  bool finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, GroupSums& own,
+  bool finish_group(const ProjectedView& view, const TileRect& group, const RowSumTarget& sums, GroupSums& own,
                     SharedRows& shared);
-  void add_shared(const RowSums& sums, size_t groups, ThreadPool& pool);
+  void add_shared(const RowSumTarget& sums, size_t groups, ThreadPool& pool);
 
   std::vector<SharedRows> shared_;  ///< [groups of a batch]
   std::vector<GroupSums> own_;      ///< [thread]

@@ -76,7 +76,7 @@ void check(const Rectangles& scene, int threads) {
     }
   }
   RowBatches batches;
-  RowSums sums;
+  RowSumTarget sums;
   sums.padded = kPadded;
   sums.targets = n;
   sums.destination = destination.data();
@@ -125,7 +125,7 @@ TEST(RowBatches, WhatIsNotANumberIsReported) {
   AlignedArray<float> destination;
   destination.resize(kPadded);
   std::vector<uint8_t> written(1);
-  RowSums sums;
+  RowSumTarget sums;
   sums.padded = kPadded;
   sums.targets = 1;
   sums.destination = destination.data();

@@ -53,7 +53,7 @@ uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixel
   per_gaussian += numbers * kFloat + 3 * padded * kFloat + static_cast<uint64_t>(pool_->size()) * sizeof(uint32_t);
   per_gaussian += 8 * kFloat;  // density statistics, updates of the semantic row
   per_gaussian += sizeof(Splat) + sizeof(TileRect) + kFloat + 8 + 6 * kFloat;  // projection and its order
-  per_gaussian += kInstances * (sizeof(SplatGradient) + sizeof(uint32_t) + sizeof(uint16_t) + 1);  // BlendRecord
+  per_gaussian += kInstances * (sizeof(CoupledSplatGradient) + sizeof(uint32_t) + sizeof(uint16_t) + 1);  // BlendRecord
   per_gaussian += sizeof(DensitySums);
   const uint64_t threads = static_cast<uint64_t>(pool_->size());
   // Per thread: weights of four blocks of up to a thousand Gaussians, once more rounded, and the maps of a block.

@@ -192,7 +192,7 @@ TEST(SemanticVisit, ForcedBfloat16NeedsAmx) {
 
 /// Any number of threads, the same bits: sums of groups of tiles and of Gaussians that reach across them.
 TEST_P(SemanticVisitTile, AnyNumberOfThreadsGivesTheSameBits) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 150;
   o.height = 170;  // 110 tiles: groups of one tile; then 440: groups of four
   o.channels = 21;

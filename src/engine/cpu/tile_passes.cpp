@@ -129,7 +129,7 @@ void keep_record(const TileForward& s, size_t tile, size_t begin, BlendRecord& o
 /// Slots of a view whose Gaussians grew without bound may not fit: a clear error rather than a killed process.
 void size_slots(size_t instances, SlotGradients& out) {
   constexpr uint64_t kWorthAsking = uint64_t(1) << 30;  // bytes; smaller growth is not worth reading the system's state
-  const uint64_t bytes = uint64_t(instances) * sizeof(SplatGradient);
+  const uint64_t bytes = uint64_t(instances) * sizeof(CoupledSplatGradient);
   if (instances > out.size() && bytes > kWorthAsking + out.capacity_bytes() && bytes > available_memory_bytes()) {
     throw_resources(
         {},
@@ -230,8 +230,8 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
     return;
   }
   semantics->written->assign(semantics->visible, 0);
-  const RowSums sums{semantics->step.padded, semantics->rank, semantics->visible, semantics->gradients,
-                     semantics->written};
+  const RowSumTarget sums{semantics->step.padded, semantics->rank, semantics->visible, semantics->gradients,
+                          semantics->written};
   semantics->harmless = batches.run(view, tiles.lists, sums, pool,
                                     [&](size_t tile, int worker, TileRows& rows) { visit(tile, worker, &rows); });
   semantics->soft = semantics->hard = 0;

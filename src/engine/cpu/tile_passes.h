@@ -42,7 +42,7 @@ struct BackwardMaps {
 };
 
 /// Sums per (Gaussian, tile) at the slots of the lists; valid where BlendRecord::seen[slot] is 1.
-using SlotGradients = AlignedArray<SplatGradient>;
+using SlotGradients = AlignedArray<CoupledSplatGradient>;
 
 /// `record` is that of the forward pass; `semantics` may be nullptr.
 void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const BackwardMaps& maps, bool geometry,

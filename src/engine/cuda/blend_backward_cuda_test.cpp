@@ -21,10 +21,10 @@ namespace {
 using cpu::testing_scene::difference;
 using cpu::testing_scene::make_camera;
 using cpu::testing_scene::make_model;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 struct Options {
-  SceneOptions scene;
+  RandomSceneOptions scene;
   bool geometry = true, density = true, prior = true;
   bool smooth = false;
 };
@@ -116,8 +116,8 @@ class CudaBlendBackward : public DeviceTest, public testing::WithParamInterface<
     const bool density = options.density || options.smooth;  // the smooth version of the CPU engine computes everything
     ASSERT_EQ(density, options.density);
     for (int field = 0; field < kSplatGradientFloats; ++field) {
-      const bool in_density = field == 14 || field == 15 || field >= 18;
-      const bool in_geometry = field >= 4 && field < 8;
+      const bool in_density = field == kSumResidual || field == kSumUnsupported || field >= kSumPhotometricAbsP;
+      const bool in_geometry = field >= kSumNormal && field <= kSumDistance;
       std::vector<float> a, b;
       for (size_t slot = 0; slot < got.size(); ++slot) {
         if (view->record.seen[slot] == 0) continue;

@@ -16,7 +16,7 @@ namespace aligngs::cuda {
 inline constexpr int kBackwardWarps = kTilePixels / kWarp;
 
 /// Values of a tile's pixels, in shared memory: the sums multiply weights with them.
-struct BackwardMaps {
+struct BackwardPixelValues {
   float color[3][kTilePixels], normal[3][kTilePixels], distance[kTilePixels], residual[kTilePixels];
 };
 
@@ -35,7 +35,7 @@ struct BackwardPixel {
 /// Pixel i of the tile, and its share of `maps`.
 template <bool kGeometry, bool kDensity>
 __device__ __forceinline__ BackwardPixel load_backward_pixel(const BlendBackwardInputs& in, int tile, int i,
-                                                             BackwardMaps& maps) {
+                                                             BackwardPixelValues& maps) {
   BackwardPixel px;
   const int x = tile % in.view.tiles_x * kTileSize + tile_pixel_x(i);
   const int y = tile / in.view.tiles_x * kTileSize + tile_pixel_y(i);
@@ -99,9 +99,9 @@ __device__ __forceinline__ void sweep_backward(const Splat& g, uint32_t place, c
 /// Adds pixel i to the sums of a Gaussian whose mean lies (dx, dy) from its centre. `v` has the fields of SplatGradient
 /// except the moments of all losses, which finish_backward_sums writes.
 template <bool kGeometry, bool kDensity, int kCount>
-__device__ __forceinline__ void add_backward_sums(const BackwardMaps& maps, int i, const Splat& g, float dx, float dy,
-                                                  float signed_weight, float all, float by_color, float (&v)[kCount],
-                                                  WhitenedMoments<float>& moments) {
+__device__ __forceinline__ void add_backward_sums(const BackwardPixelValues& maps, int i, const Splat& g, float dx,
+                                                  float dy, float signed_weight, float all, float by_color,
+                                                  float (&v)[kCount], WhitenedMoments<float>& moments) {
   const float w = signed_weight < 0 ? -signed_weight : signed_weight;
   for (int k = 0; k < 3; ++k) v[kSumColor + k] += w * maps.color[k][i];
   v[kSumWeight] += w;

@@ -10,7 +10,7 @@
 namespace aligngs::cuda {
 
 template <bool kGeometry>
-struct PixelSums {
+struct BlendedPixel {
   float color[3] = {}, alpha = 0, normal[3] = {}, distance = 0, expected = 0, median = 0;
 
   __device__ __forceinline__ void add(const Splat& g, float weight, float before, float after, const Vec3<float>& ray) {
@@ -29,7 +29,7 @@ struct PixelSums {
 /// This thread's pixel in front of `place` of the list that begins at `begin`.
 template <bool kGeometry>
 __device__ __forceinline__ void store_checkpoint(const BlendRecordSpans& record, uint32_t begin, uint32_t place,
-                                                 float transmittance, const PixelSums<kGeometry>& sums) {
+                                                 float transmittance, const BlendedPixel<kGeometry>& sums) {
   const size_t at = checkpoint_index(begin, place) * kTilePixels + threadIdx.x;
   record.checkpoints[at] = {transmittance, {sums.color[0], sums.color[1], sums.color[2]}};
   if constexpr (kGeometry) {
@@ -57,7 +57,7 @@ __global__ void __launch_bounds__(kTilePixels)
 
   PixelBlend blend;
   blend.open = inside;
-  PixelSums<kGeometry> sums;
+  BlendedPixel<kGeometry> sums;
   uint32_t last = 0;
   const bool keep = !record.last.empty();
   uint32_t first = begin;

@@ -101,7 +101,7 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   SemanticStep step;
   step.row_slots = arena_.take<float>(pairs * padded, "semantic gradients of (Gaussian, tile) pairs");
   step.seen = arena_.take<uint8_t>(pairs, "semantic record");
-  step.terms = arena_.take<double>(2, "semantic losses");
+  step.terms = arena_.take<double>(kSemanticTerms, "semantic losses");
   if (couple) step.coupling = arena_.take<CouplingMoments>(pairs, "coupling of (Gaussian, tile) pairs");
   SemanticVisitInputs in;
   in.view = frame.view;
@@ -119,8 +119,8 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   in.sample = request.losses.semantic_sample;
   in.method = options_.semantic_visit;
   semantic_visit(*context_, in,
-                 {step.row_slots, step.coupling, step.seen, arena_.take<double>(2 * tiles, "semantic losses of tiles"),
-                  step.terms});
+                 {step.row_slots, step.coupling, step.seen,
+                  arena_.take<double>(kSemanticTerms * tiles, "semantic losses of tiles"), step.terms});
   last_.semantic_gradients = arena_.take<float>(model_.size() * padded, "semantic gradients");
   last_.semantic_written = arena_.take<uint8_t>(model_.size(), "semantic gradients");
   semantic_gradients(*context_, {row_inputs, frame.lists, step.row_slots, step.seen},
@@ -178,13 +178,13 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   g.opacity_logits = arena_.take<float>(n, "gradients");
   g.sh = arena_.take<float>(size_t(3) * kShCoefficients * n, "gradients");
   const DeviceSpan<DensitySums> density_sums = arena_.take<DensitySums>(density ? n : 0, "density sums");
-  const DeviceSpan<double> squares = arena_.take<double>(2, "state of the step");
+  const DeviceSpan<double> squares = arena_.take<double>(kGradientSquares, "state of the step");
   parameter_gradients(*context_,
                       {model_.spans(), frame.view, frame.lists, frame.record, last_.touched, slots, semantic.coupling,
                        semantic.seen, coupling_scale, request.sh_degree, request.raster.dropout.factor()},
                       {g, density_sums, squares, arena_.take<double>(square_scratch(n), "sums of squares"), frame.bad});
   add_shape_terms(arena_, {model_.spans(), last_.touched, visible, losses, request.extent}, {g, terms, frame.bad});
-  timer_->mark("reduce");
+  timer_->mark("parameter_gradients");
   DeviceSpan<PoseGradient<double>> pose;
   if (request.pose_gradient) {
     pose = arena_.take<PoseGradient<double>>(1, "state of the step");

@@ -15,7 +15,7 @@ namespace aligngs::cuda {
 namespace {
 
 using namespace cpu::testing_scene;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 class CudaEngineState : public DeviceTest {
  protected:
@@ -32,8 +32,8 @@ class CudaEngineState : public DeviceTest {
   }
 };
 
-SceneOptions small_scene() {
-  SceneOptions o;
+RandomSceneOptions small_scene() {
+  RandomSceneOptions o;
   o.width = 40;
   o.height = 29;
   o.gaussians = 80;
@@ -54,7 +54,7 @@ TEST_F(CudaEngineState, StoredIsWhatWasLoaded) {
 }
 
 TEST_F(CudaEngineState, SavedAndLoadedGoesOnAsIfNeverStopped) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});
   StepRequest r = make_request();
   e->step(r);
@@ -71,7 +71,7 @@ TEST_F(CudaEngineState, SavedAndLoadedGoesOnAsIfNeverStopped) {
 }
 
 TEST_F(CudaEngineState, ACheckpointOfOneEngineContinuesOnTheOther) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   cpu::CpuEngine cpu(1);
   cpu.load(make_model(o));
   cpu.set_training_views({make_view(o)});
@@ -93,7 +93,7 @@ TEST_F(CudaEngineState, RefusesAStateThatLacksAnArray) {
 }
 
 TEST_F(CudaEngineState, RestructuresAsTheCpuEngine) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   const std::unique_ptr<Engine> cuda = engine(make_model(o), {make_view(o)});
   cuda->step(make_request());
   EngineState state = state_of(*cuda);
@@ -129,7 +129,7 @@ TEST_F(CudaEngineState, APlanOfAnotherModelIsAnError) {
 }
 
 TEST_F(CudaEngineState, OpacityResetCapsAndForgets) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});
   e->step(make_request());
   e->reset_opacity(0.01f);
@@ -140,7 +140,7 @@ TEST_F(CudaEngineState, OpacityResetCapsAndForgets) {
 }
 
 TEST_F(CudaEngineState, NoiseOnPositionsIsThatOfTheCpu) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   GaussianModel model = make_model(o);
   for (float& x : model.opacity_logits) x = -6;
   const std::unique_ptr<Engine> cuda = engine(model);
@@ -157,7 +157,7 @@ TEST_F(CudaEngineState, NoiseOnPositionsIsThatOfTheCpu) {
 }
 
 TEST_F(CudaEngineState, ScalesAreRaisedAsOnTheCpu) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   const std::unique_ptr<Engine> cuda = engine(make_model(o));
   cpu::CpuEngine cpu(1);
   cpu.load(make_model(o));
@@ -173,7 +173,7 @@ TEST_F(CudaEngineState, ScalesAreRaisedAsOnTheCpu) {
 }
 
 TEST_F(CudaEngineState, RenderingMatchesTheReference) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   const GaussianModel model = make_model(o);
   const std::unique_ptr<Engine> e = engine(model);
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
@@ -213,7 +213,7 @@ TEST_F(CudaEngineState, RenderingWithoutGeometryOrLabelsLeavesThemEmpty) {
 }
 
 TEST_F(CudaEngineState, LiftIsThatOfTheCpuEngine) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   GaussianModel model = make_model(o);
   std::fill(model.semantics.begin(), model.semantics.end(), 0.0f);
   const std::vector<TrainingView> views = {make_view(o)};
@@ -242,7 +242,7 @@ TEST_F(CudaEngineState, ShapesAreTheModelWithoutColoursAndClasses) {
 }
 
 TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
-  SceneOptions o = small_scene();
+  RandomSceneOptions o = small_scene();
   o.channels = 12;
   const GaussianModel model = make_model(o);
   const std::vector<TrainingView> views = {make_view(o)};
@@ -261,7 +261,7 @@ TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
 TEST_F(CudaEngineState, TooLittleMemoryIsTyped) {
   try {
     const std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, 100000, 1);
-    SceneOptions o = small_scene();
+    RandomSceneOptions o = small_scene();
     o.gaussians = 5000;
     e->load(make_model(o));
     FAIL() << "no error";
@@ -272,7 +272,7 @@ TEST_F(CudaEngineState, TooLittleMemoryIsTyped) {
 }
 
 TEST_F(CudaEngineState, WhatIsPredictedIsEnoughForEveryStepAndNotFarTooMuch) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 80;
   o.height = 60;
   o.gaussians = 1000;
@@ -301,7 +301,7 @@ TEST_F(CudaEngineState, WhatIsPredictedIsEnoughForEveryStepAndNotFarTooMuch) {
 }
 
 TEST_F(CudaEngineState, OwnMemoryCountsTheClassesThatRowsWillCarry) {
-  SceneOptions o = small_scene();
+  RandomSceneOptions o = small_scene();
   o.channels = 12;
   std::vector<TrainingView> views = {make_view(o)};
   std::vector<uint16_t>& teacher = views[0].data.semantics.probabilities;
@@ -316,7 +316,7 @@ TEST_F(CudaEngineState, OwnMemoryCountsTheClassesThatRowsWillCarry) {
 }
 
 TEST_F(CudaEngineState, PredictedBytesCoverTheModelAndGrow) {
-  const SceneOptions o = small_scene();
+  const RandomSceneOptions o = small_scene();
   const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});
   const uint64_t few = e->predicted_bytes(1000, 7, 640 * 480), many = e->predicted_bytes(2000, 7, 640 * 480);
   EXPECT_GT(few, 3u * ModelArrays::bytes(1000, 7));

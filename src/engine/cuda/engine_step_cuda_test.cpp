@@ -15,7 +15,7 @@ namespace aligngs::cuda {
 namespace {
 
 using namespace cpu::testing_scene;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 class CudaStep : public DeviceTest {
  protected:
@@ -23,7 +23,7 @@ class CudaStep : public DeviceTest {
     return std::make_unique<CudaEngine>(test_device().index, 0, 1, settings);
   }
   /// The state after three steps, the second on a view that was never visited; `seconds` of the last.
-  static EngineState train(const CudaEngineOptions& settings, const SceneOptions& o,
+  static EngineState train(const CudaEngineOptions& settings, const RandomSceneOptions& o,
                            std::map<std::string, double>* seconds = nullptr) {
     TrainingView second = make_view(o);
     second.data.camera.world_to_camera.translation.x += 0.3;
@@ -122,8 +122,8 @@ class CudaStep : public DeviceTest {
   }
 };
 
-SceneOptions scene(int channels, size_t gaussians = 120) {
-  SceneOptions o;
+RandomSceneOptions scene(int channels, size_t gaussians = 120) {
+  RandomSceneOptions o;
   o.width = 48;
   o.height = 37;  // no multiple of the tile
   o.channels = channels;
@@ -132,12 +132,12 @@ SceneOptions scene(int channels, size_t gaussians = 120) {
 }
 
 TEST_F(CudaStep, PhotometricLosses) {
-  const SceneOptions o = scene(0);
+  const RandomSceneOptions o = scene(0);
   compare(make_model(o), make_view(o), make_request());
 }
 
 TEST_F(CudaStep, GeometryLosses) {
-  const SceneOptions o = scene(0);
+  const RandomSceneOptions o = scene(0);
   compare(make_model(o), make_view(o), make_geometry_request());
 }
 
@@ -148,12 +148,12 @@ TEST_F(CudaStep, OpacityDropout) {
 }
 
 TEST_F(CudaStep, SevenClassesBounded) {
-  const SceneOptions o = scene(7);
+  const RandomSceneOptions o = scene(7);
   compare(make_model(o), make_view(o), make_geometry_request());
 }
 
 TEST_F(CudaStep, SevenClassesAsPrinted) {
-  const SceneOptions o = scene(7);
+  const RandomSceneOptions o = scene(7);
   StepRequest r = make_request();
   r.losses.semantic_blend = SemanticBlend::kLogits;
   r.losses.coupling = SemanticCoupling::kPlain;
@@ -162,19 +162,19 @@ TEST_F(CudaStep, SevenClassesAsPrinted) {
 }
 
 TEST_F(CudaStep, OpacityInPlaceOfACoupling) {
-  const SceneOptions o = scene(7);  // with an omega that differs from pixel to pixel
+  const RandomSceneOptions o = scene(7);  // with an omega that differs from pixel to pixel
   StepRequest r = make_request();
   r.losses.coupling = SemanticCoupling::kOpacity;
   compare(make_model(o), make_view(o), r);
 }
 
 TEST_F(CudaStep, OneClass) {
-  const SceneOptions o = scene(1);
+  const RandomSceneOptions o = scene(1);
   compare(make_model(o), make_view(o), make_request());
 }
 
 TEST_F(CudaStep, OneGaussian) {
-  const SceneOptions o = scene(7, 1);
+  const RandomSceneOptions o = scene(7, 1);
   compare(make_model(o), make_view(o), make_request());
 }
 
@@ -189,28 +189,28 @@ TEST_F(CudaStep, TheKernelsThatAreNotTheDefault) {
   printed.losses.coupling = SemanticCoupling::kPlain;
   printed.losses.coupling_strength = 1;
   compare(make_model(scene(7)), make_view(scene(7)), printed, options);
-  SceneOptions many = scene(3, 600);
+  RandomSceneOptions many = scene(3, 600);
   many.width = many.height = 16;
   many.log_scale_max = -0.5;
   compare(make_model(many), make_view(many), make_geometry_request(), options);
 }
 
 TEST_F(CudaStep, WithoutDensityStatistics) {
-  const SceneOptions o = scene(0, 40);
+  const RandomSceneOptions o = scene(0, 40);
   StepRequest r = make_request();
   r.collect_density = false;
   compare(make_model(o), make_view(o), r);
 }
 
 TEST_F(CudaStep, ManyInATile) {
-  SceneOptions o = scene(3, 600);
+  RandomSceneOptions o = scene(3, 600);
   o.width = o.height = 16;
   o.log_scale_max = -0.5;
   compare(make_model(o), make_view(o), make_request());
 }
 
 TEST_F(CudaStep, NothingVisibleLeavesTheModelAsItIs) {
-  SceneOptions o = scene(7, 30);
+  RandomSceneOptions o = scene(7, 30);
   o.depth_min = -3;
   o.depth_max = -1;
   const std::unique_ptr<CudaEngine> engine = make_engine();
@@ -229,7 +229,7 @@ TEST_F(CudaStep, NothingVisibleLeavesTheModelAsItIs) {
 }
 
 TEST_F(CudaStep, EmptyModelStepsAndRenders) {
-  const SceneOptions o = scene(7, 0);
+  const RandomSceneOptions o = scene(7, 0);
   const std::unique_ptr<CudaEngine> engine = make_engine();
   engine->load(make_model(o));
   engine->set_training_views({make_view(o)});
@@ -242,7 +242,7 @@ TEST_F(CudaStep, EmptyModelStepsAndRenders) {
 }
 
 TEST_F(CudaStep, NonFiniteLossIsNamedAndNothingChanges) {
-  const SceneOptions o = scene(7, 60);
+  const RandomSceneOptions o = scene(7, 60);
   const std::unique_ptr<CudaEngine> engine = make_engine();
   engine->load(make_model(o));
   TrainingView bad = make_view(o);
@@ -264,7 +264,7 @@ TEST_F(CudaStep, NonFiniteLossIsNamedAndNothingChanges) {
 }
 
 TEST_F(CudaStep, NonFiniteParameterIsNamedAndNothingChanges) {
-  const SceneOptions o = scene(7, 60);
+  const RandomSceneOptions o = scene(7, 60);
   const std::unique_ptr<CudaEngine> engine = make_engine();
   engine->load(make_model(o));
   engine->set_training_views({make_view(o)});
@@ -286,7 +286,7 @@ TEST_F(CudaStep, NonFiniteParameterIsNamedAndNothingChanges) {
 
 TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeatedAlsoAsAGraph) {
   // Scales a thousand times larger between two visits: pairs outgrow the room of the first visit.
-  SceneOptions o = scene(0, 3000);
+  RandomSceneOptions o = scene(0, 3000);
   o.width = 160;
   o.height = 120;
   o.log_scale_min = o.log_scale_max = -6;
@@ -313,7 +313,7 @@ TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeatedAlsoAsAGraph) {
 }
 
 TEST_F(CudaStep, AWarmStepWaitsOnceAndAllocatesNothing) {
-  const SceneOptions o = scene(7, 60);
+  const RandomSceneOptions o = scene(7, 60);
   const std::unique_ptr<CudaEngine> engine = make_engine();
   engine->load(make_model(o));
   engine->set_training_views({make_view(o)});
@@ -326,7 +326,7 @@ TEST_F(CudaStep, AWarmStepWaitsOnceAndAllocatesNothing) {
 }
 
 TEST_F(CudaStep, SameBitsOnEveryRunAndInEveryOrderOfThreads) {
-  const SceneOptions o = scene(7, 60);
+  const RandomSceneOptions o = scene(7, 60);
   const auto train = [&] {
     const std::unique_ptr<CudaEngine> engine = make_engine();
     engine->load(make_model(o));
@@ -350,7 +350,7 @@ TEST_F(CudaStep, TimersReportEveryStageOfTheCpuEngineAndChangeNothing) {
   CudaEngineOptions timed;
   timed.time_stages = true;
   for (const int channels : {7, 0}) {
-    const SceneOptions o = scene(channels, 60);
+    const RandomSceneOptions o = scene(channels, 60);
     std::map<std::string, double> stages, plain;
     expect_same(train(timed, o, &stages), train({}, o, &plain));
     std::set<std::string> names;
@@ -372,7 +372,7 @@ TEST_F(CudaStep, TimersReportEveryStageOfTheCpuEngineAndChangeNothing) {
 TEST_F(CudaStep, GraphsOfStepsChangeNothing) {
   CudaEngineOptions graphs;
   graphs.graphs = graphs.time_stages = true;
-  const SceneOptions o = scene(7, 60);
+  const RandomSceneOptions o = scene(7, 60);
   expect_same(train(graphs, o), train({}, o));
 }
 
@@ -381,7 +381,7 @@ TEST_F(CudaStep, GraphsOfStepsChangeNothing) {
 TEST_F(CudaStep, AWarmStepIsOneGraphOfTheSameOperations) {
   CudaEngineOptions graphs;
   graphs.graphs = true;
-  const SceneOptions o = scene(7, 60);
+  const RandomSceneOptions o = scene(7, 60);
   TrainingView second = make_view(o);
   second.data.camera.world_to_camera.translation.x += 0.3;
   const std::unique_ptr<CudaEngine> engine = make_engine(graphs);
@@ -414,7 +414,7 @@ TEST_F(CudaStep, AWarmStepIsOneGraphOfTheSameOperations) {
 }
 
 TEST_F(CudaStep, AShortTrainingFollowsTheCpuEngine) {
-  const SceneOptions o = scene(7, 100);
+  const RandomSceneOptions o = scene(7, 100);
   TrainingView second = make_view(o);
   second.data.camera.world_to_camera.translation.x += 0.3;
   const std::vector<TrainingView> views = {make_view(o), second};

@@ -18,7 +18,7 @@ namespace aligngs::cuda {
 namespace {
 
 using namespace cpu::testing_scene;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 class CudaForward : public DeviceTest {
  protected:
@@ -95,7 +95,7 @@ class CudaForward : public DeviceTest {
 RasterSettings with_background() { return make_request().raster; }
 
 TEST_F(CudaForward, ListsAreThoseOfTheCpuEngine) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 200;
   const GaussianModel model = make_model(o);
   const Camera camera = make_camera(o.width, o.height);
@@ -118,12 +118,12 @@ TEST_F(CudaForward, ListsAreThoseOfTheCpuEngine) {
 }
 
 TEST_F(CudaForward, MapsOfARandomScene) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   compare(make_model(o), make_camera(o.width, o.height), with_background());
 }
 
 TEST_F(CudaForward, DoesNotDependOnTheOrderOfThreads) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 120;
   const GaussianModel model = make_model(o);
   const Camera camera = make_camera(o.width, o.height);
@@ -136,19 +136,19 @@ TEST_F(CudaForward, DoesNotDependOnTheOrderOfThreads) {
 }
 
 TEST_F(CudaForward, NoGaussian) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 0;
   compare(make_model(o), make_camera(o.width, o.height), with_background());
 }
 
 TEST_F(CudaForward, OneGaussian) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 1;
   compare(make_model(o), make_camera(o.width, o.height), with_background());
 }
 
 TEST_F(CudaForward, NothingInSight) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 20;
   o.depth_min = -4;
   o.depth_max = -1;
@@ -156,7 +156,7 @@ TEST_F(CudaForward, NothingInSight) {
 }
 
 TEST_F(CudaForward, ManyInATile) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = o.height = 16;
   o.gaussians = 1200;  // several batches, and pixels that close
   o.log_scale_max = -0.5;
@@ -164,7 +164,7 @@ TEST_F(CudaForward, ManyInATile) {
 }
 
 TEST_F(CudaForward, WideRectangles) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 130;
   o.height = 100;
   o.gaussians = 20;
@@ -176,14 +176,14 @@ TEST_F(CudaForward, WideRectangles) {
 }
 
 TEST_F(CudaForward, OpacitiesAtTheThreshold) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.logit_min = -5.6;
   o.logit_max = -5.3;  // around 1 / 255
   compare(make_model(o), make_camera(o.width, o.height), with_background());
 }
 
 TEST_F(CudaForward, EqualDepthsBlendInRowOrder) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.depth_min = o.depth_max = 2;
   GaussianModel model = make_model(o);
   const Camera camera = make_camera(o.width, o.height);
@@ -194,7 +194,7 @@ TEST_F(CudaForward, EqualDepthsBlendInRowOrder) {
 }
 
 TEST_F(CudaForward, RowsThatAreNotFiniteAreNamed) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 50;
   const Camera camera = make_camera(o.width, o.height);
   GaussianModel model = make_model(o);
@@ -205,7 +205,7 @@ TEST_F(CudaForward, RowsThatAreNotFiniteAreNamed) {
 }
 
 TEST_F(CudaForward, AFiniteRowWhoseImageOverflowsIsOnlyCulled) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 5;
   GaussianModel model = make_model(o);
   model.log_scales[3] = 80;
@@ -215,7 +215,7 @@ TEST_F(CudaForward, AFiniteRowWhoseImageOverflowsIsOnlyCulled) {
 }
 
 TEST_F(CudaForward, PairsWithoutRoomCullEverythingAndSaySo) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   const GaussianModel model = make_model(o);
   const DeviceFrame f = run(model, make_camera(o.width, o.height), with_background(), 16);
   const BinCounts counts = host(f.counts)[0];
@@ -227,7 +227,7 @@ TEST_F(CudaForward, PairsWithoutRoomCullEverythingAndSaySo) {
 }
 
 TEST_F(CudaForward, ExactlyEnoughRoomIsEnough) {
-  const SceneOptions o;
+  const RandomSceneOptions o;
   const GaussianModel model = make_model(o);
   const Camera camera = make_camera(o.width, o.height);
   const size_t needed = host(run(model, camera, {}, 8000).counts)[0].instances;

@@ -16,7 +16,7 @@ struct LabelInputs {
   BlendRecordSpans record;        ///< of the forward pass
   DeviceSpan<const float> alpha;  ///< [H W]
   RasterSettings raster;
-  SemanticBlend blend = SemanticBlend::kProbabilities;
+  SemanticBlend blend{};
   int remainder = 0;  ///< classes that the last channel represents; 0: it is one class
 };
 

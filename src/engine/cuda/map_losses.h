@@ -10,7 +10,7 @@
 
 namespace aligngs::cuda {
 
-struct MapLossInputs {
+struct MapLossSpans {
   RenderMapSpans maps;
   TrainingMapSpans view;
   LossSettings settings;
@@ -26,7 +26,7 @@ struct MapLossOutputs {
 };
 
 /// Scratch comes from the arena: map_loss_scratch_bytes.
-void map_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossOutputs& out);
+void map_losses(DeviceArena& arena, const MapLossSpans& in, const MapLossOutputs& out);
 
 /// With a neighbour of as many pixels, where the multi-view terms have a weight.
 uint64_t map_loss_scratch_bytes(const LossSettings& settings, size_t pixels);

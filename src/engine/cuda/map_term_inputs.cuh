@@ -43,12 +43,14 @@ struct MapTermScratch {
   DeviceSpan<ComparedTerms> compared;  ///< [1]
 };
 
+/// Sums of one pixel term.
+enum PixelTermSum { kTermPixels, kTermWeight, kTermValue, kSumsPerTerm };
 enum MeasuredSum {
   kPearsonCount,
   kPearsonRendered,
   kPearsonPrior,
-  kPixelSums,  ///< count, weight and value of each pixel term
-  kMeasuredSums = kPixelSums + 3 * PixelTerms::kCount
+  kPixelSums,  ///< PixelTermSum of each pixel term
+  kMeasuredSums = kPixelSums + kSumsPerTerm * PixelTerms::kCount
 };
 enum ComparedSum {
   kPearsonRenderedSquares,

@@ -14,7 +14,7 @@ namespace aligngs::cuda {
 namespace {
 
 using namespace cpu::testing_scene;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 using testing_maps::TwoViewFixture;
 
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
@@ -230,7 +230,7 @@ TEST_F(CudaMultiViewStep, GraphsAndTheOrderOfThreadsChangeNothing) {
 TEST_F(CudaMultiViewStep, AStepIsRepeatedWhenTheNeighbourHasMorePairsThanRoom) {
   // Pairs beyond what the slack of a room holds: thousands of Gaussians that were points when the neighbour was
   // visited.
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 160;
   o.height = 120;
   o.gaussians = 3000;

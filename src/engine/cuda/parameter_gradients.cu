@@ -25,12 +25,9 @@ __global__ void mark_touched_kernel(TileListSpans lists, BlendRecordSpans record
   if (lane_index() == 0 && votes != 0) atomicAdd(&visible[0], static_cast<uint32_t>(__popc(votes)));
 }
 
-/// All sums of a row: a SplatGradient, then six moments of the coupling.
-inline constexpr int kCouplingFirst = kSplatGradientFloats;
-inline constexpr int kRowSums = kCouplingFirst + 6;
-static_assert(kRowSums <= kWarp, "one lane each");
-struct RowSums {
-  float v[kWarp] = {};
+static_assert(kCoupledSums <= kWarp, "one lane each");
+struct SlotSums {
+  float v[kWarp] = {};  ///< in the order of SplatSum and CouplingSum
 };
 
 __device__ __forceinline__ void add_vector(const float4& x, float* to) {
@@ -40,36 +37,35 @@ __device__ __forceinline__ void add_vector(const float4& x, float* to) {
   to[3] += x.w;
 }
 
-__device__ __forceinline__ void add_slot(const ParameterGradientInputs& in, uint32_t slot, RowSums& sums) {
+__device__ __forceinline__ void add_slot(const ParameterGradientSpans& in, uint32_t slot, SlotSums& sums) {
   if (in.record.seen[slot] == 0) return;
   const float4* main = reinterpret_cast<const float4*>(&in.slots[slot]);
 #pragma unroll
   for (int k = 0; k < kSplatGradientFloats / 4; ++k) add_vector(main[k], sums.v + 4 * k);
   if (in.coupling.empty() || in.coupling_seen[slot] == 0) return;
   const CouplingMoments& c = in.coupling[slot];
-  float* to = sums.v + kCouplingFirst;
-  to[0] += c.p;
-  to[1] += c.r;
-  to[2] += c.one;
-  to[3] += c.pp;
-  to[4] += c.pr;
-  to[5] += c.rr;
+  sums.v[kSumCouplingP] += c.p;
+  sums.v[kSumCouplingR] += c.r;
+  sums.v[kSumCouplingOne] += c.one;
+  sums.v[kSumCouplingPp] += c.pp;
+  sums.v[kSumCouplingPr] += c.pr;
+  sums.v[kSumCouplingRr] += c.rr;
 }
 
 /// Sums of this thread's row over slots [begin, end), which may be empty. All lanes call it.
-__device__ __forceinline__ RowSums sum_slots(const ParameterGradientInputs& in, uint32_t begin, uint32_t end) {
+__device__ __forceinline__ SlotSums sum_slots(const ParameterGradientSpans& in, uint32_t begin, uint32_t end) {
   const uint32_t lane = lane_index();
-  RowSums sums;
+  SlotSums sums;
   const bool many = end - begin > kOwnSlots;
   for (uint32_t slot = begin; slot < end && !many; ++slot) add_slot(in, slot, sums);
   for (unsigned rows = __ballot_sync(kFullWarp, many); rows != 0; rows &= rows - 1) {
     const int owner = __ffs(static_cast<int>(rows)) - 1;
     const uint32_t first = __shfl_sync(kFullWarp, begin, owner), last = __shfl_sync(kFullWarp, end, owner);
-    RowSums part;
+    SlotSums part;
     for (uint32_t slot = first + lane; slot < last; slot += kWarp) add_slot(in, slot, part);
     const float total = warp_sums(part.v);
 #pragma unroll
-    for (int k = 0; k < kRowSums; ++k) {
+    for (int k = 0; k < kCoupledSums; ++k) {
       const float x = __shfl_sync(kFullWarp, total, k);
       if (lane == static_cast<uint32_t>(owner)) sums.v[k] = x;
     }
@@ -90,10 +86,9 @@ __device__ __forceinline__ bool within_limit(const float (&values)[kCount]) {
 }
 
 /// From the sums of a touched row to its parameters' gradients.
-__device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in, const ParameterGradientOutputs& out,
-                                              size_t i, const RowSums& sums) {
+__device__ __forceinline__ void row_gradients(const ParameterGradientSpans& in, const ParameterGradientOutputs& out,
+                                              size_t i, const SlotSums& sums) {
   const float* v = sums.v;
-  const float* coupling = v + kCouplingFirst;
   const Splat& splat = in.view.splats[i];
   const ModelSpans& m = in.model;
   GaussianShape<float> g;
@@ -104,12 +99,12 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   float p = v[kSumP], r = v[kSumR], one = v[kSumOne], pp = v[kSumPp], pr = v[kSumPr], rr = v[kSumRr];
   if (!in.coupling.empty() && in.coupling_scale != 0) {
     const float s = in.coupling_scale;
-    p += s * coupling[0];
-    r += s * coupling[1];
-    one += s * coupling[2];
-    pp += s * coupling[3];
-    pr += s * coupling[4];
-    rr += s * coupling[5];
+    p += s * v[kSumCouplingP];
+    r += s * v[kSumCouplingR];
+    one += s * v[kSumCouplingOne];
+    pp += s * v[kSumCouplingPp];
+    pr += s * v[kSumCouplingPr];
+    rr += s * v[kSumCouplingRr];
   }
   const WhiteningFactor<float> factor{splat.fxx, splat.fxy, splat.fyy};
   CovarianceGradient<float> d;
@@ -157,16 +152,16 @@ __device__ __forceinline__ double square_of_mean(const Splat& s, float p, float 
 }
 
 __global__ void __launch_bounds__(kGradientThreads)
-    parameter_gradients_kernel(ParameterGradientInputs in, ParameterGradientOutputs out) {
+    parameter_gradients_kernel(ParameterGradientSpans in, ParameterGradientOutputs out) {
   __shared__ double scratch[kWarp];
   const size_t i = item_index();
   const bool row = i < in.model.gaussians, touched = row && in.touched[i] != 0;
-  const RowSums sums = sum_slots(in, touched ? in.lists.slot_begin[i] : 0, touched ? in.lists.slot_begin[i + 1] : 0);
+  const SlotSums sums = sum_slots(in, touched ? in.lists.slot_begin[i] : 0, touched ? in.lists.slot_begin[i + 1] : 0);
   double photometric = 0, coupling = 0;
   if (touched) {
     row_gradients(in, out, i, sums);
     photometric = square_of_mean(in.view.splats[i], sums.v[kSumPhotometricP], sums.v[kSumPhotometricR]);
-    coupling = square_of_mean(in.view.splats[i], sums.v[kCouplingFirst], sums.v[kCouplingFirst + 1]);
+    coupling = square_of_mean(in.view.splats[i], sums.v[kSumCouplingP], sums.v[kSumCouplingR]);
   } else if (row) {
     for (int k = 0; k < 3; ++k) out.gradients.positions[3 * i + k] = 0;
     for (int k = 0; k < 3; ++k) out.gradients.log_scales[3 * i + k] = 0;
@@ -176,8 +171,9 @@ __global__ void __launch_bounds__(kGradientThreads)
   photometric = block_sum(photometric, scratch);
   coupling = block_sum(coupling, scratch);
   if (threadIdx.x == 0) {
-    out.scratch[2 * blockIdx.x] = photometric;
-    out.scratch[2 * blockIdx.x + 1] = coupling;
+    double* squares = &out.scratch[size_t(kGradientSquares) * blockIdx.x];
+    squares[kPhotometricSquares] = photometric;
+    squares[kCouplingSquares] = coupling;
   }
 }
 
@@ -188,13 +184,15 @@ void mark_touched(const DeviceContext& context, const TileListSpans& lists, cons
          visible);
 }
 
-size_t square_scratch(size_t gaussians) { return 2 * ((gaussians + kGradientThreads - 1) / kGradientThreads); }
+size_t square_scratch(size_t gaussians) {
+  return kGradientSquares * ((gaussians + kGradientThreads - 1) / kGradientThreads);
+}
 
-void parameter_gradients(const DeviceContext& context, const ParameterGradientInputs& in,
+void parameter_gradients(const DeviceContext& context, const ParameterGradientSpans& in,
                          const ParameterGradientOutputs& out) {
   launch(context, "parameter_gradients", parameter_gradients_kernel, one_per_item(in.model.gaussians, kGradientThreads),
          in, out);
-  sum_columns<2>(context, out.scratch.part(0, square_scratch(in.model.gaussians)), 1.0, out.squares);
+  sum_columns<kGradientSquares>(context, out.scratch.part(0, square_scratch(in.model.gaussians)), 1.0, out.squares);
 }
 
 }  // namespace aligngs::cuda

@@ -12,12 +12,7 @@ namespace aligngs::cuda {
 void mark_touched(const DeviceContext& context, const TileListSpans& lists, const BlendRecordSpans& record,
                   DeviceSpan<uint8_t> touched, DeviceSpan<uint32_t> visible);
 
-/// Sums of a row that density control needs; see SplatGradient.
-struct DensitySums {
-  float photometric_p, photometric_r, photometric_abs_p, photometric_abs_y, weight, residual, unsupported;
-};
-
-struct ParameterGradientInputs {
+struct ParameterGradientSpans {
   ModelSpans model;
   ViewSpans view;
   TileListSpans lists;
@@ -31,14 +26,16 @@ struct ParameterGradientInputs {
   float opacity_factor = 1;  ///< of the step's OpacityDropout
 };
 
+/// Sums over touched rows of |dL/dmean|^2, pixels^-2.
+enum GradientSquare : int { kPhotometricSquares, kCouplingSquares, kGradientSquares };
+
 struct ParameterGradientOutputs {
   /// positions, log_scales, rotations, opacity_logits of every row (zero where not touched); sh of touched rows only,
   /// whole rows. The shape terms are not in them.
   ModelSpans gradients;
   DeviceSpan<DensitySums> density;  ///< [N], touched rows only; empty: not wanted
-  /// [2] sums over touched rows of |dL/dmean|^2, pixels^-2: of the colour losses, of the coupling before its factor.
-  DeviceSpan<double> squares;
-  DeviceSpan<double> scratch;  ///< [square_scratch(N)]
+  DeviceSpan<double> squares;       ///< [GradientSquare] of the colour losses, of the coupling before its factor
+  DeviceSpan<double> scratch;       ///< [square_scratch(N)]
   /// [1] lowered to bad_gradient_key of the first row and class beyond kGradientLimit; to be set to kNoBadGradient.
   DeviceSpan<unsigned long long> bad;
 };
@@ -51,7 +48,7 @@ ALIGNGS_HD inline unsigned long long bad_gradient_key(size_t row, GradientClass 
   return static_cast<unsigned long long>(row) * 8 + static_cast<unsigned long long>(c);
 }
 
-void parameter_gradients(const DeviceContext& context, const ParameterGradientInputs& in,
+void parameter_gradients(const DeviceContext& context, const ParameterGradientSpans& in,
                          const ParameterGradientOutputs& out);
 
 }  // namespace aligngs::cuda

@@ -19,13 +19,13 @@ using cpu::testing_scene::difference;
 using cpu::testing_scene::make_camera;
 using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_request;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 const CudaTolerance kParameterTolerance;
 
 class CudaParameterGradients : public DeviceTest {
  protected:
-  void prepare(const SceneOptions& scene) {
+  void prepare(const RandomSceneOptions& scene) {
     options = scene;
     prepare(make_model(scene));
   }
@@ -41,7 +41,7 @@ class CudaParameterGradients : public DeviceTest {
     slots.resize(n);
     for (size_t i = 0; i < n; ++i) {
       float* field = reinterpret_cast<float*>(&slots[i]);
-      for (size_t k = 0; k < cpu::kSplatGradientFloats; ++k) field[k] = static_cast<float>(random.uniform(-1, 1));
+      for (size_t k = 0; k < cpu::kCoupledSplatGradientFloats; ++k) field[k] = float(random.uniform(-1, 1));
     }
     coupling_seen.assign(n, 0);
     for (uint8_t& s : coupling_seen) s = random.chance(0.6) ? 1 : 0;
@@ -55,8 +55,8 @@ class CudaParameterGradients : public DeviceTest {
     std::vector<SplatGradient> main(instances);
     std::vector<CouplingMoments> moments(instances);
     for (size_t i = 0; i < instances; ++i) {
-      const cpu::SplatGradient& s = slots[i];
-      std::memcpy(&main[i], &s, sizeof main[i]);
+      const cpu::CoupledSplatGradient& s = slots[i];
+      main[i] = s.maps;
       moments[i] = {s.coupling_p, s.coupling_r, s.coupling_one, s.coupling_pp, s.coupling_pr, s.coupling_rr, {0, 0}};
       if (coupling_seen[i] == 0) moments[i].p = std::numeric_limits<float>::quiet_NaN();  // never read
     }
@@ -73,7 +73,7 @@ class CudaParameterGradients : public DeviceTest {
     seen.assign(context(), coupling_seen, "test");
     bad_key.assign(context(), {kNoBadGradient}, "test");
     mark_touched(context(), view->list_spans(), view->record_spans(), touched_rows.span(), visible.span());
-    ParameterGradientInputs in;
+    ParameterGradientSpans in;
     in.model = device.spans();
     in.view = view->view_spans();
     in.lists = view->list_spans();
@@ -143,7 +143,7 @@ class CudaParameterGradients : public DeviceTest {
     EXPECT_EQ(bad, kNoBadGradient);
   }
 
-  SceneOptions options;
+  RandomSceneOptions options;
   GaussianModel model;
   StepRequest request = color_and_class_request();
   std::unique_ptr<TestView> view;
@@ -158,7 +158,7 @@ class CudaParameterGradients : public DeviceTest {
 };
 
 TEST_F(CudaParameterGradients, EqualThoseOfTheCpuEngine) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 300;
   for (const int degree : {0, 3}) {
     prepare(o);
@@ -169,7 +169,7 @@ TEST_F(CudaParameterGradients, EqualThoseOfTheCpuEngine) {
 }
 
 TEST_F(CudaParameterGradients, RowsWithASlotInEveryTile) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.width = 130;
   o.height = 70;
   o.gaussians = 200;
@@ -184,7 +184,7 @@ TEST_F(CudaParameterGradients, RowsWithASlotInEveryTile) {
 }
 
 TEST_F(CudaParameterGradients, NothingInView) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 40;
   GaussianModel m = make_model(o);
   for (size_t i = 0; i < m.size(); ++i) m.opacity_logits[i] = -20;
@@ -200,7 +200,7 @@ TEST_F(CudaParameterGradients, NothingInView) {
 }
 
 TEST_F(CudaParameterGradients, TheFirstUnusableRowIsNamed) {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 100;
   prepare(o);
   std::vector<size_t> rows;

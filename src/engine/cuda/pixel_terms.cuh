@@ -26,12 +26,11 @@ __device__ __forceinline__ TermPixel<float> term_pixel(const MapTermInputs& in, 
   return pixel;
 }
 
-/// The term has a weight and the view its priors.
+/// The term has a weight and the view its inputs.
 template <class Term>
 __device__ __forceinline__ bool acts(const MapTermInputs& in) {
   constexpr unsigned kNeeds = kLossCatalogue[index_of(Term::kLoss)].needs;
-  return in.settings.weight[Term::kLoss] != 0 && ((kNeeds & kNeedsPriorDepth) == 0 || !in.view.prior_depth.empty()) &&
-         ((kNeeds & kNeedsPriorNormal) == 0 || !in.view.prior_normal.empty());
+  return in.settings.weight[Term::kLoss] != 0 && in.view.given().suffice(kNeeds);
 }
 
 template <class Term>
@@ -43,26 +42,26 @@ __device__ __forceinline__ void measure_pixel_term(const MapTermInputs& in, floa
   const TermPixel<float> pixel = term_pixel<kNeeds>(in, depth, validity, i);
   const float weight = term.weight(pixel);
   if (!(weight > 0)) return;
-  sums[0] = 1;
-  sums[1] = weight;
-  sums[2] = term.at(pixel, weight, 0.0f).value;
+  sums[kTermPixels] = 1;
+  sums[kTermWeight] = weight;
+  sums[kTermValue] = term.at(pixel, weight, 0.0f).value;
 }
-/// sums[3 * terms]: of one pixel.
+/// sums[terms][PixelTermSum]: of one pixel.
 template <int kFirst, template <class> class... Terms>
 __device__ __forceinline__ void measure_pixel_terms(PixelTermList<kFirst, Terms...>, const MapTermInputs& in,
                                                     float depth, uint8_t validity, size_t i, float* sums) {
-  ((measure_pixel_term<Terms<float>>(in, depth, validity, i, sums), sums += 3), ...);
+  ((measure_pixel_term<Terms<float>>(in, depth, validity, i, sums), sums += kSumsPerTerm), ...);
 }
 
-/// s[3 * terms]: over all pixels.
+/// s[terms][PixelTermSum]: over all pixels.
 template <int kFirst, template <class> class... Terms>
 __device__ __forceinline__ void finish_pixel_terms(PixelTermList<kFirst, Terms...>, const LossSettings& settings,
                                                    double pixels, const double* s, MeasuredTerms& m) {
   const float weights[] = {settings.weight[Terms<float>::kLoss]...};
-  for (size_t k = 0; k < sizeof...(Terms); ++k, s += 3) {
-    if (!enough_valid(s[0], pixels)) continue;
-    m.values[k] = s[2] / s[1];
-    m.steps[k] = static_cast<float>(weights[k] / s[1]);
+  for (size_t k = 0; k < sizeof...(Terms); ++k, s += kSumsPerTerm) {
+    if (!enough_valid(s[kTermPixels], pixels)) continue;
+    m.values[k] = s[kTermValue] / s[kTermWeight];
+    m.steps[k] = static_cast<float>(weights[k] / s[kTermWeight]);
   }
 }
 template <int kFirst, template <class> class... Terms>

@@ -7,7 +7,7 @@
 
 namespace aligngs::cuda {
 
-inline constexpr int kPoseSums = 6;
+enum PoseSum : int { kPoseRotation = 0, kPoseTranslation = 3, kPoseSums = 6 };
 
 __global__ void __launch_bounds__(kGradientThreads)
     pose_gradient_kernel(PoseGradientInputs in, DeviceSpan<double> partial) {
@@ -16,8 +16,8 @@ __global__ void __launch_bounds__(kGradientThreads)
   if (i < in.model.gaussians && in.touched[i] != 0) {
     const PoseGradient<float> share =
         row_pose_gradient(in.camera, pose_row<float>(in.model, in.gradients, i), in.sh_degree);
-    for (int k = 0; k < 3; ++k) sums[k] = share.rotation[k];
-    for (int k = 0; k < 3; ++k) sums[3 + k] = share.translation[k];
+    for (int k = 0; k < 3; ++k) sums[kPoseRotation + k] = share.rotation[k];
+    for (int k = 0; k < 3; ++k) sums[kPoseTranslation + k] = share.translation[k];
   }
   store_partial_sums(sums, partial);
 }
@@ -27,8 +27,9 @@ __global__ void __launch_bounds__(kSumThreads)
   double sums[kPoseSums];
   load_partial_sums(partial, sums);
   if (threadIdx.x != 0) return;
-  out[0].rotation = {sums[0], sums[1], sums[2]};
-  out[0].translation = {sums[3], sums[4], sums[5]};
+  const double *rotation = sums + kPoseRotation, *translation = sums + kPoseTranslation;
+  out[0].rotation = {rotation[0], rotation[1], rotation[2]};
+  out[0].translation = {translation[0], translation[1], translation[2]};
 }
 
 void pose_gradient(DeviceArena& arena, const PoseGradientInputs& in, DeviceSpan<PoseGradient<double>> out) {

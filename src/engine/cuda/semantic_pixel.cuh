@@ -75,7 +75,7 @@ struct ChannelSet {
 
 /// Channels of a pixel: in, what is blended; out, row gradient and coupling direction.
 template <int kGroups>
-struct PixelRow {
+struct PixelChannels {
   float value[kGroups], direction[kGroups];
 };
 
@@ -105,7 +105,7 @@ __device__ __forceinline__ void sample_teacher_lanes(const TeacherSpans& teacher
 template <int kGroups>
 __device__ __forceinline__ PixelLoss probabilities_loss(const SemanticVisitInputs& in, const ChannelSet& set,
                                                         const PixelTeacher& px, const float (&t)[kGroups], float alpha,
-                                                        bool bounded, PixelRow<kGroups>& row) {
+                                                        bool bounded, PixelChannels<kGroups>& row) {
   const float soft = in.soft_weight * in.pixel_weight(), hard = in.hard_weight * in.pixel_weight();
   const float all = static_cast<float>(set.all_classes()), rest = (1 - alpha) / all;
   const float floor = semantic_floor<float>(set.all_classes());
@@ -138,7 +138,7 @@ __device__ __forceinline__ PixelLoss probabilities_loss(const SemanticVisitInput
 template <int kGroups>
 __device__ __forceinline__ PixelLoss logits_loss(const SemanticVisitInputs& in, const ChannelSet& set,
                                                  const PixelTeacher& px, const float (&t)[kGroups], float alpha,
-                                                 bool bounded, PixelRow<kGroups>& row) {
+                                                 bool bounded, PixelChannels<kGroups>& row) {
   const float soft = in.soft_weight * in.pixel_weight(), hard = in.hard_weight * in.pixel_weight();
   const float omega = alpha >= static_cast<float>(kCouplingAlphaMin) ? px.omega : 0.0f;
   const float log_remainder = set.remainder > 1 ? std::log(static_cast<float>(set.remainder)) : 0.0f;

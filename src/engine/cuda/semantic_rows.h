@@ -18,7 +18,7 @@ struct SemanticRowInputs {
   ModelSpans model;
   DeviceSpan<const uint8_t> touched;  ///< [N]
   DeviceSpan<const uint32_t> rank;    ///< [N] TileListSpans::rank
-  SemanticBlend blend = SemanticBlend::kProbabilities;
+  SemanticBlend blend{};
   int remainder = 0;  ///< classes that the last channel represents (ActiveClasses::remainder); 0: every channel is one
 };
 

@@ -53,7 +53,7 @@ struct VisitShared {
   float behind[Form::kParts][kPixels];                       ///< what a part shows where nothing is behind it
   float transmittance[kPixels];                              ///< behind the last Gaussian
   float offset[kPixels];                                     ///< h_0
-  double terms[kWarps][2];
+  double terms[kWarps][kSemanticTerms];
   uint32_t places[kVisitBatch];
   uint32_t entry_place[kEntries], entry_rank[kEntries], entry_slot[kEntries];
   uint8_t entry_strips[kEntries], entry_first[kEntries];

@@ -70,8 +70,9 @@ void semantic_visit(const DeviceContext& context, const SemanticVisitInputs& in,
   } else {
     launch_visit<CompactedVisit>(context, in, out, tiles);
   }
-  sum_columns<2>(context, out.tile_terms.part(0, 2 * size_t(tiles)),
-                 static_cast<double>(in.sample.scale()) / static_cast<double>(in.teacher.valid), out.terms);
+  sum_columns<kSemanticTerms>(context, out.tile_terms.part(0, kSemanticTerms * size_t(tiles)),
+                              static_cast<double>(in.sample.scale()) / static_cast<double>(in.teacher.valid),
+                              out.terms);
 }
 
 }  // namespace aligngs::cuda

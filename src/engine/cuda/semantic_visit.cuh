@@ -84,7 +84,7 @@ __device__ __forceinline__ void block_loss(const Visit<Form>& v, int b, double& 
     const float push = opacity ? px.omega : 0;
     if (opacity) px.omega = 0;
     float* blended = v.blended + pixel * v.layout.blended_stride();
-    PixelRow<kGroups> row;
+    PixelChannels<kGroups> row;
     PixelLoss loss{0, 0, 0};
 #pragma unroll
     for (int g = 0; g < kGroups; ++g) {
@@ -323,14 +323,14 @@ __global__ void __launch_bounds__(Form::kThreads)
     __syncthreads();
   }
   if (v.lane == 0) {
-    s.terms[v.warp][0] = soft;
-    s.terms[v.warp][1] = hard;
+    s.terms[v.warp][kSoftTerm] = soft;
+    s.terms[v.warp][kHardTerm] = hard;
   }
   __syncthreads();
-  if (thread < 2) {
+  if (thread < kSemanticTerms) {
     double sum = 0;
     for (int w = 0; w < Form::kWarps; ++w) sum += s.terms[w][thread];
-    out.tile_terms[2 * size_t(tile) + thread] = sum;
+    out.tile_terms[kSemanticTerms * size_t(tile) + thread] = sum;
   }
 }
 

@@ -33,8 +33,8 @@ struct SemanticVisitInputs {
   TeacherSpans teacher;
   DeviceSpan<const uint16_t> rows;  ///< of semantic_rows
   RasterSettings raster;
-  SemanticBlend blend = SemanticBlend::kProbabilities;
-  SemanticCoupling coupling = SemanticCoupling::kBounded;
+  SemanticBlend blend{};
+  SemanticCoupling coupling{};
   bool couple = false;                     ///< the coupling is wanted
   float soft_weight = 0, hard_weight = 0;  ///< LossSettings
   int remainder = 0;                       ///< as in SemanticRowInputs
@@ -45,12 +45,14 @@ struct SemanticVisitInputs {
   ALIGNGS_HD float pixel_weight() const { return sample.scale() / static_cast<float>(teacher.valid); }
 };
 
+enum SemanticTerm : int { kSoftTerm, kHardTerm, kSemanticTerms };
+
 struct SemanticVisitOutputs {
   DeviceSpan<float> row_slots;           ///< [instances][padded] dL/drows of one Gaussian in one tile, where seen
   DeviceSpan<CouplingMoments> coupling;  ///< [instances], where seen; may be empty without couple
   DeviceSpan<uint8_t> seen;              ///< [instances, by slot] 1: taken in a block with a teacher, else 0
-  DeviceSpan<double> tile_terms;         ///< [tiles][2] scratch
-  DeviceSpan<double> terms;              ///< [2] soft and hard loss, means over the valid pixels, unweighted
+  DeviceSpan<double> tile_terms;         ///< [tiles][SemanticTerm] scratch
+  DeviceSpan<double> terms;              ///< [SemanticTerm] means over the valid pixels, unweighted
 };
 
 /// Properties of a device that decide the choice.

@@ -30,7 +30,7 @@ using cpu::testing_scene::difference;
 using cpu::testing_scene::make_camera;
 using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_view;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 const CudaTolerance kVisitTolerance;
 
@@ -39,7 +39,7 @@ const CudaTolerance kVisitTolerance;
 constexpr float kAboveTheFloor = 0.5f;
 
 struct Options {
-  SceneOptions scene;
+  RandomSceneOptions scene;
   SemanticBlend blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
   bool couple = true;
@@ -132,7 +132,7 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
       out.written[i] = written[view->lists.rank[i]];
       for (uint64_t slot = view->lists.slot_begin[i]; slot < view->lists.slot_begin[i + 1] && options.couple; ++slot) {
         if (view->record.seen[slot] == 0) continue;
-        const cpu::SplatGradient& s = slots[slot];
+        const cpu::CoupledSplatGradient& s = slots[slot];
         const float moments[6] = {s.coupling_p,  s.coupling_r,  s.coupling_one,
                                   s.coupling_pp, s.coupling_pr, s.coupling_rr};
         for (size_t k = 0; k < 6; ++k) out.moments[6 * i + k] += moments[k];

@@ -23,18 +23,18 @@ using cpu::testing_scene::difference;
 using cpu::testing_scene::make_camera;
 using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_request;
-using cpu::testing_scene::SceneOptions;
+using cpu::testing_scene::RandomSceneOptions;
 
 const CudaTolerance kStepEndTolerance;
 
 class CudaStepEnd : public DeviceTest {
  protected:
-  void prepare() { prepare(make_model(SceneOptions())); }
+  void prepare() { prepare(make_model(RandomSceneOptions())); }
 
   void prepare(const GaussianModel& gaussians) {
     model = gaussians;
     request = make_request();
-    const SceneOptions scene;
+    const RandomSceneOptions scene;
     view = std::make_unique<TestView>(context(), model, make_camera(scene.width, scene.height), request.raster);
     touched.assign(context(), view->cpu_gradients.touched, "test");
     visible.assign(context(), {static_cast<uint32_t>(view->visible)}, "test");
@@ -102,7 +102,7 @@ TEST_F(CudaStepEnd, EachShapeTermAlone) {
 }
 
 TEST_F(CudaStepEnd, ScalesBeyondFloatAreLeftOut) {
-  GaussianModel huge = make_model(SceneOptions());
+  GaussianModel huge = make_model(RandomSceneOptions());
   huge.log_scales[3 * 5 + 1] = 200;  // exp overflows; projection culls the row
   prepare(huge);
   compare_shape_terms();
@@ -110,7 +110,7 @@ TEST_F(CudaStepEnd, ScalesBeyondFloatAreLeftOut) {
 }
 
 TEST_F(CudaStepEnd, AShapeGradientBeyondTheLimitIsReported) {
-  GaussianModel large = make_model(SceneOptions());
+  GaussianModel large = make_model(RandomSceneOptions());
   large.log_scales[3 * 7 + 2] = 80;  // exp = 5e34 is finite
   large.log_scales[3 * 9] = 80;
   prepare(large);
@@ -133,9 +133,9 @@ TEST_F(CudaStepEnd, DensityStatisticsAgreeWithTheCpu) {
   view->cpu_gradients.density.resize(n);
   for (size_t i = 0; i < n; ++i) {
     const auto number = [&] { return static_cast<float>(random.uniform(0, 0.1)); };
-    cpu::DensitySums& s = view->cpu_gradients.density[i];
+    DensitySums& s = view->cpu_gradients.density[i];
     s = {number() - 0.05f, number() - 0.05f, number(), number(), number(), number(), number()};
-    std::memcpy(&sums[i], &s, sizeof s);
+    sums[i] = s;
   }
   DensityStatistics want;
   std::vector<DeviceArray<float>> arrays(7);

@@ -16,11 +16,10 @@ __global__ void judge_step_kernel(StepOutcomeInputs in, DeviceSpan<StepOutcome> 
   StepOutcome o{};
   o.terms = in.terms[0];
   if (!in.semantic_terms.empty()) {
-    o.terms.add(Loss::kSemanticSoft, in.soft_weight, in.semantic_terms[0]);
-    o.terms.add(Loss::kSemanticHard, in.hard_weight, in.semantic_terms[1]);
+    o.terms.add(Loss::kSemanticSoft, in.soft_weight, in.semantic_terms[kSoftTerm]);
+    o.terms.add(Loss::kSemanticHard, in.hard_weight, in.semantic_terms[kHardTerm]);
   }
-  o.squares[0] = in.squares[0];
-  o.squares[1] = in.squares[1];
+  for (int k = 0; k < kGradientSquares; ++k) o.squares[k] = in.squares[k];
   o.bad = in.bad[0];
   if (!in.neighbour_bad.empty() && in.neighbour_bad[0] < o.bad) o.bad = in.neighbour_bad[0];
   o.visible = in.visible[0];
@@ -47,7 +46,7 @@ void judge_step(const DeviceContext& context, const StepOutcomeInputs& in, Devic
 GradientScale gradient_scale(const StepOutcome& outcome) {
   if (outcome.visible == 0) return {};
   const double rows = outcome.visible;
-  return {std::sqrt(outcome.squares[0] / rows), std::sqrt(outcome.squares[1] / rows)};
+  return {std::sqrt(outcome.squares[kPhotometricSquares] / rows), std::sqrt(outcome.squares[kCouplingSquares] / rows)};
 }
 
 NonFinite symptom_of(const StepOutcome& outcome) {

@@ -65,6 +65,7 @@ TrainingMaps::TrainingMaps(DeviceContext& context, const TrainingView& view) {
   shape_.width = data.camera.width;
   shape_.height = data.camera.height;
   shape_.rays = PixelRays<float>(data.camera);
+  shape_.labels = !data.labels.empty();
   const std::vector<uint8_t> flags = pixel_flags(view);
   shape_.counted = static_cast<uint32_t>(
       std::count_if(flags.begin(), flags.end(), [](uint8_t f) { return (f & kPixelCounts) != 0; }));

@@ -30,9 +30,12 @@ struct TrainingMapSpans {
   DeviceSpan<const uint8_t> color_bytes;  ///< [3][H W] of 255; empty: color holds the photo
   DeviceSpan<const float> color;          ///< [3][H W]; only where some value is not a multiple of 1 / 255
   DeviceSpan<const uint8_t> flags;        ///< [H W] PixelFlag
+  bool labels = false;                    ///< it has labels, which the flags speak of
   DeviceSpan<const float> prior_depth;    ///< [H W], 0 = none; empty without a prior
   DeviceSpan<const float> depth_weight;   ///< [H W] in [0, 1]; empty: 1
   DeviceSpan<const float> prior_normal;   ///< [3][H W], zero = none; empty without
+
+  ALIGNGS_HD GivenInputs given() const { return {!prior_depth.empty(), !prior_normal.empty(), labels}; }
 };
 
 /// Owns them. The arrays do not change between steps.

@@ -43,31 +43,33 @@ ALIGNGS_HD inline Vec3<T> normal_gradient(const UnitNormal<T>& normal, const Vec
 // ---- the normal of the depth map ----
 
 /// The neighbours of a pixel that form the difference along one axis.
-enum class Difference : uint8_t { kNone = 0, kCentral = 1, kForward = 2, kBackward = 3 };
+enum class FiniteDifference : uint8_t { kNone = 0, kCentral = 1, kForward = 2, kBackward = 3 };
 
-ALIGNGS_HD inline Difference difference_of(bool before, bool after) {
-  if (before && after) return Difference::kCentral;
-  if (after) return Difference::kForward;
-  return before ? Difference::kBackward : Difference::kNone;
+ALIGNGS_HD inline FiniteDifference difference_of(bool before, bool after) {
+  if (before && after) return FiniteDifference::kCentral;
+  if (after) return FiniteDifference::kForward;
+  return before ? FiniteDifference::kBackward : FiniteDifference::kNone;
 }
 
 /// How far the neighbours of a difference lie from the pixel.
 struct Reach {
   int before = 0, after = 0;
 };
-ALIGNGS_HD inline Reach reach_of(Difference difference) {
-  return {difference == Difference::kCentral || difference == Difference::kBackward ? 1 : 0,
-          difference == Difference::kCentral || difference == Difference::kForward ? 1 : 0};
+ALIGNGS_HD inline Reach reach_of(FiniteDifference difference) {
+  return {difference == FiniteDifference::kCentral || difference == FiniteDifference::kBackward ? 1 : 0,
+          difference == FiniteDifference::kCentral || difference == FiniteDifference::kForward ? 1 : 0};
 }
 
 /// Horizontal and vertical difference of one pixel.
 struct DepthStencil {
-  Difference horizontal = Difference::kNone, vertical = Difference::kNone;
-  ALIGNGS_HD bool valid() const { return horizontal != Difference::kNone && vertical != Difference::kNone; }
-  ALIGNGS_HD bool central() const { return horizontal == Difference::kCentral && vertical == Difference::kCentral; }
+  FiniteDifference horizontal = FiniteDifference::kNone, vertical = FiniteDifference::kNone;
+  ALIGNGS_HD bool valid() const { return horizontal != FiniteDifference::kNone && vertical != FiniteDifference::kNone; }
+  ALIGNGS_HD bool central() const {
+    return horizontal == FiniteDifference::kCentral && vertical == FiniteDifference::kCentral;
+  }
   ALIGNGS_HD uint8_t packed() const { return static_cast<uint8_t>(int(horizontal) | int(vertical) << 2); }
   ALIGNGS_HD static DepthStencil unpack(uint8_t byte) {
-    return {static_cast<Difference>(byte & 3), static_cast<Difference>(byte >> 2)};
+    return {static_cast<FiniteDifference>(byte & 3), static_cast<FiniteDifference>(byte >> 2)};
   }
 };
 

@@ -89,7 +89,7 @@ namespace projection_detail {
 /// the perspective map at the clamped slopes. Column k of J V S is (u[k], v[k]). The 2-D covariance is the Gram matrix
 /// of these two rows plus the low-pass.
 template <class T>
-struct Frame {
+struct GaussianFrame {
   Quaternion<T> rotation;  ///< unit
   Mat3<T> axes;            ///< V, columns are the Gaussian's axes in the camera frame
   Vec3<T> centre;          ///< p_c
@@ -100,10 +100,10 @@ struct Frame {
 };
 
 template <class T>
-ALIGNGS_HD inline Frame<T> make_frame(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
-                                      const Vec3<T>& centre) {
+ALIGNGS_HD inline GaussianFrame<T> make_frame(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
+                                              const Vec3<T>& centre) {
   using std::exp;
-  Frame<T> f;
+  GaussianFrame<T> f;
   f.rotation = normalized(g.rotation);
   f.axes = camera.rotation * rotation_matrix(f.rotation);
   f.centre = centre;
@@ -188,7 +188,7 @@ ALIGNGS_HD inline Projection<T> project(const GaussianShape<T>& g, const Project
     return out;
   }
 
-  const projection_detail::Frame<T> f = projection_detail::make_frame(g, camera, centre);
+  const projection_detail::GaussianFrame<T> f = projection_detail::make_frame(g, camera, centre);
   out.mean = {camera.fx * (centre.x / centre.z) + camera.cx, camera.fy * (centre.y / centre.z) + camera.cy};
   const T low_pass = T(settings.low_pass);
   const T uu = dot(f.u, f.u), vv = dot(f.v, f.v);
@@ -247,7 +247,7 @@ template <class T>
 ALIGNGS_HD inline ShapeGradient<T> project_backward(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
                                                     const Projection<T>& p, const CovarianceGradient<T>& d) {
   const Vec3<T> centre = camera.rotation * g.position + camera.translation;
-  const projection_detail::Frame<T> f = projection_detail::make_frame(g, camera, centre);
+  const projection_detail::GaussianFrame<T> f = projection_detail::make_frame(g, camera, centre);
   ShapeGradient<T> out;
   out.opacity_logit = d.opacity * p.opacity * (T(1) - p.opacity / p.opacity_factor);
 

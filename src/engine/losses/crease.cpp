@@ -61,7 +61,7 @@ template <class T>
 double crease_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace,
                    MapGradients<T>& gradients) {
   const TrainingView& view = in.view;
-  if (view.data.labels.empty() || view.prior_normal.empty() || view.data.prior_depth.empty()) return 0;
+  if (!given_inputs(view).suffice(row_of(Loss::kCrease).needs)) return 0;
   const int width = in.maps.width, height = in.maps.height;
   const size_t pixels = in.maps.pixels();
   const int out = kCreaseRenderOffset - 1;
@@ -82,21 +82,21 @@ double crease_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T
       }
     });
   };
-  const auto sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
-    std::array<double, 2> s{};
+  const auto [total_weight, total] = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+    double weights = 0, misfit = 0;
     const auto add = [&](double w, T cosine) {
-      s[0] += w;
-      s[1] += w * (1 - static_cast<double>(cosine));
+      weights += w;
+      misfit += w * (1 - static_cast<double>(cosine));
     };
     for_each_term(
         y, [&](size_t, const UnitNormal<T>& n, const Vec3<T>& prior, double w) { add(w, dot(n.direction, prior)); },
         [&](size_t, size_t, const UnitNormal<T>& a, const UnitNormal<T>& b, double w) {
           add(w, dot(a.direction, b.direction));
         });
-    return s;
+    return std::array<double, 2>{weights, misfit};
   });
-  if (!(sums[0] > 0)) return 0;
-  const double divisor = std::max(sums[0], kCreaseMinimumShare * static_cast<double>(pixels));
+  if (!(total_weight > 0)) return 0;
+  const double divisor = std::max(total_weight, kCreaseMinimumShare * static_cast<double>(pixels));
   const double step = -weight / divisor;
   for_each_row_scattering(in.pool, height, [&](int y) {
     for_each_term(
@@ -109,7 +109,7 @@ double crease_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T
           add_normal_gradient(b, a.direction * static_cast<T>(step * w), v, pixels, gradients);
         });
   });
-  return sums[1] / divisor;
+  return total / divisor;
 }
 
 template double crease_loss<float>(const MapLossInputs<float>&, double, MapLossWorkspace<float>&, MapGradients<float>&);

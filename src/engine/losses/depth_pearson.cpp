@@ -79,7 +79,7 @@ void add_gradient(const double* rendered, const double* prior, int width, double
 
 template <class T>
 double pearson_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace) {
-  if (in.view.data.prior_depth.empty()) return 0;
+  if (!given_inputs(in.view).suffice(row_of(Loss::kPearson).needs)) return 0;
   const int width = in.maps.width, height = in.maps.height;
   const Image<uint8_t>& edge = in.view.label_edge;
   // Row y, less the means.
@@ -94,16 +94,15 @@ double pearson_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWork
     return out;
   };
 
-  const auto sums = sum_rows<3>(in.pool, height, workspace.row_sums, [&](int y) {
+  const auto [n, sum_rendered, sum_prior] = sum_rows<3>(in.pool, height, workspace.row_sums, [&](int y) {
     const CentredRow& row = centred(y, 0, 0);
     return std::array<double, 3>{ordered_sum(row.used.data(), width), ordered_sum(row.rendered.data(), width),
                                  ordered_sum(row.prior.data(), width)};
   });
-  const double n = sums[0];
   if (!enough_for_pearson(n, static_cast<double>(in.maps.pixels()))) return 0;
-  const double mean_rendered = sums[1] / n, mean_prior = sums[2] / n;
+  const double mean_rendered = sum_rendered / n, mean_prior = sum_prior / n;
 
-  const auto products = sum_rows<3>(in.pool, height, workspace.row_sums, [&](int y) {
+  const auto [rendered_squares, prior_squares, mixed] = sum_rows<3>(in.pool, height, workspace.row_sums, [&](int y) {
     CentredRow& row = centred(y, mean_rendered, mean_prior);
     const auto sum_of = [&](const std::vector<double>& a, const std::vector<double>& b) {
       multiply(a.data(), b.data(), width, row.product.data());
@@ -113,7 +112,7 @@ double pearson_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWork
                                  sum_of(row.rendered, row.prior)};
   });
   const PearsonResult result =
-      pearson_result({n, mean_rendered, mean_prior, products[0], products[1], products[2]}, weight);
+      pearson_result({n, mean_rendered, mean_prior, rendered_squares, prior_squares, mixed}, weight);
   if (result.loss == 0 && result.along_prior == 0) return 0;
   for_each_row(in.pool, height, [&](int y) {
     const CentredRow& row = centred(y, mean_rendered, mean_prior);

@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kCentral = static_cast<int>(Difference::kCentral);
+constexpr int kCentral = static_cast<int>(FiniteDifference::kCentral);
 
 // Neighbour flags of a row, 1 where the pixel is joined to the one on that side.
 struct JoinedRow {
@@ -53,8 +53,8 @@ ALIGNGS_ALWAYS_INLINE void stencils(const StencilMap<T>& map, int y, const T* __
   }
 }
 
-ALIGNGS_ALWAYS_INLINE bool has_before(int code) { return reach_of(static_cast<Difference>(code)).before != 0; }
-ALIGNGS_ALWAYS_INLINE bool has_after(int code) { return reach_of(static_cast<Difference>(code)).after != 0; }
+ALIGNGS_ALWAYS_INLINE bool has_before(int code) { return reach_of(static_cast<FiniteDifference>(code)).before != 0; }
+ALIGNGS_ALWAYS_INLINE bool has_after(int code) { return reach_of(static_cast<FiniteDifference>(code)).after != 0; }
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void gather(const StencilMap<T>& map, int y, const uint8_t* __restrict stencil,

@@ -40,8 +40,8 @@ ViewAgreement compare_with_neighbour(const MapLossInputs<T>& in, MapLossWorkspac
   const int width = in.maps.width, height = in.maps.height;
   workspace.agreement.resize(in.maps.pixels());
   workspace.agreement_slope.resize(in.maps.pixels());
-  const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
-    std::array<double, 2> row{};
+  const auto [count, distance] = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+    double valid = 0, sum = 0;
     for (int x = 0; x < width; ++x) {
       const size_t i = static_cast<size_t>(y) * width + x;
       Reprojection<T> r;
@@ -51,12 +51,12 @@ ViewAgreement compare_with_neighbour(const MapLossInputs<T>& in, MapLossWorkspac
       const T w = r.valid ? std::exp(-r.distance) : T(0);
       workspace.agreement[i] = w;
       workspace.agreement_slope[i] = w * r.slope;
-      row[0] += r.valid ? 1 : 0;
-      row[1] += static_cast<double>(w * r.distance);
+      valid += r.valid ? 1 : 0;
+      sum += static_cast<double>(w * r.distance);
     }
-    return row;
+    return std::array<double, 2>{valid, sum};
   });
-  return {sums[0], sums[1]};
+  return {count, distance};
 }
 
 template <class T>

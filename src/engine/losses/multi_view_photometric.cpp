@@ -44,8 +44,8 @@ double multi_view_photometric_loss(const MapLossInputs<T>& in, double weight, co
   // Gradients wait in patch_gradient until it is known over how many patches the mean goes.
   workspace.patch_gradient.resize(4 * pixels);
   workspace.patch_used.resize(pixels);
-  const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
-    std::array<double, 2> row{};
+  const auto [patches, total] = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+    double count = 0, score = 0;
     for (int x = 0; x < width; ++x) {
       const size_t i = static_cast<size_t>(y) * width + x;
       workspace.patch_used[i] = 0;
@@ -57,13 +57,13 @@ double multi_view_photometric_loss(const MapLossInputs<T>& in, double weight, co
       T* g = &workspace.patch_gradient[4 * i];
       for (int k = 0; k < 3; ++k) g[k] = w * s.d_normal[k];
       g[3] = w * s.d_distance;
-      row[0] += 1;
-      row[1] += static_cast<double>(w * s.score);
+      count += 1;
+      score += static_cast<double>(w * s.score);
     }
-    return row;
+    return std::array<double, 2>{count, score};
   });
-  if (sums[0] == 0) return 0;
-  const T factor = static_cast<T>(weight / sums[0]);
+  if (patches == 0) return 0;
+  const T factor = static_cast<T>(weight / patches);
   for_each_row(in.pool, height, [&](int y) {
     const size_t begin = static_cast<size_t>(y) * width;
     for (size_t i = begin; i < begin + width; ++i) {
@@ -73,7 +73,7 @@ double multi_view_photometric_loss(const MapLossInputs<T>& in, double weight, co
       gradients.distance[i] += factor * g[3];
     }
   });
-  return sums[1] / sums[0];
+  return total / patches;
 }
 
 template double multi_view_photometric_loss<float>(const MapLossInputs<float>&, double, const ViewAgreement&,

@@ -10,7 +10,7 @@ template <class T>
 double normal_boundary_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace,
                             MapGradients<T>& gradients) {
   const Image<uint16_t>& labels = in.view.data.labels;
-  if (labels.empty()) return 0;
+  if (!given_inputs(in.view).suffice(row_of(Loss::kNormalBoundary).needs)) return 0;
   const int width = in.maps.width, height = in.maps.height;
   const size_t pixels = in.maps.pixels();
   // Calls use(first pixel, second pixel, first normal, second normal) for every pair of row y.
@@ -27,24 +27,25 @@ double normal_boundary_loss(const MapLossInputs<T>& in, double weight, MapLossWo
       if (a.valid() && b.valid()) use(u, v, a, b);
     });
   };
-  const auto sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
-    std::array<double, 2> s{};
+  const auto [pairs, total] = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+    double count = 0, penalty = 0;
     for_each_pair(y, [&](size_t, size_t, const UnitNormal<T>& a, const UnitNormal<T>& b) {
-      s[0] += 1;
-      s[1] += boundary_penalty(static_cast<double>(dot(a.direction, b.direction)));
+      count += 1;
+      penalty += boundary_penalty(static_cast<double>(dot(a.direction, b.direction)));
     });
-    return s;
+    return std::array<double, 2>{count, penalty};
   });
-  if (sums[0] < 1) return 0;
+  if (pairs < 1) return 0;
+  const double step = weight / pairs;
   for_each_row_scattering(in.pool, height, [&](int y) {
     for_each_pair(y, [&](size_t u, size_t v, const UnitNormal<T>& a, const UnitNormal<T>& b) {
       const double l = boundary_penalty(static_cast<double>(dot(a.direction, b.direction)));
-      const T slope = static_cast<T>(weight / sums[0] * boundary_slope(l));
+      const T slope = static_cast<T>(step * boundary_slope(l));
       add_normal_gradient(a, b.direction * slope, u, pixels, gradients);
       add_normal_gradient(b, a.direction * slope, v, pixels, gradients);
     });
   });
-  return sums[1] / sums[0];
+  return total / pairs;
 }
 
 template double normal_boundary_loss<float>(const MapLossInputs<float>&, double, MapLossWorkspace<float>&,

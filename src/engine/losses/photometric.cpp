@@ -74,24 +74,24 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
   const T step = static_cast<T>(static_cast<double>(in.settings.weight[Loss::kL1]) * scale);
   // L1 row by row while the row laid out for SSIM is in the cache. It is not part of SSIM's own rounds, which go by
   // channel. Its sum would have another order there, and a setting without SSIM would need this one as well.
-  const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+  const auto [absolute_sum, squared_sum] = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
     prepare_row(in, y, workspace);
     thread_local std::vector<T> scratch;
     scratch.resize(2 * static_cast<size_t>(width));
     T *absolute = scratch.data(), *squared = absolute + width;
-    std::array<double, 2> row_sum{};
+    double of_absolute = 0, of_squared = 0;
     for (int c = 0; c < 3; ++c) {
       const size_t row = c * pixels + static_cast<size_t>(y) * width;
       row_differences(render + row, workspace.truth.data() + row, width, step, absolute, squared,
                       gradients.color.data() + row);
-      row_sum[0] += ordered_sum(absolute, width);
-      row_sum[1] += ordered_sum(squared, width);
+      of_absolute += ordered_sum(absolute, width);
+      of_squared += ordered_sum(squared, width);
     }
-    return row_sum;
+    return std::array<double, 2>{of_absolute, of_squared};
   });
-  terms.psnr = psnr_of(sums[1] * scale);
+  terms.psnr = psnr_of(squared_sum * scale);
   if (in.settings.weight[Loss::kL1] != 0) {
-    terms.add(Loss::kL1, in.settings.weight[Loss::kL1], sums[0] * scale);
+    terms.add(Loss::kL1, in.settings.weight[Loss::kL1], absolute_sum * scale);
   }
   if (in.settings.weight[Loss::kSsim] != 0) {
     const SsimInputs<T> similarity{render, workspace.truth.data(), mask.empty() ? nullptr : &mask, width, height,

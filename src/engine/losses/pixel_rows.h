@@ -97,20 +97,13 @@ ALIGNGS_ALWAYS_INLINE void values_of_row(const Term& term, const PixelRow<T>& ro
                       out.by_x, out.by_y, out.by_z);
 }
 
-/// The view has every input that a loss needs beside the rendered maps.
-inline bool has_inputs(const TrainingView& view, unsigned needs) {
-  return ((needs & kNeedsPriorDepth) == 0 || !view.data.prior_depth.empty()) &&
-         ((needs & kNeedsPriorNormal) == 0 || !view.prior_normal.empty()) &&
-         ((needs & kNeedsLabels) == 0 || !view.data.labels.empty());
-}
-
 /// The weighted mean of a term over the pixels that take part; 0 with fewer than 1 % of them (enough_valid). Adds
 /// `weight` times its gradient to workspace.depth_gradient and gradients.normal. `needs`: LossNeeds of the term.
 /// row_weights(row, weights) and row_values(row, weights, step, outputs) are its two loops.
 template <class T, class RowWeights, class RowValues>
 double fold_pixel_term(const MapLossInputs<T>& in, double weight, unsigned needs, const RowWeights& row_weights,
                        const RowValues& row_values, MapLossWorkspace<T>& workspace, MapGradients<T>& gradients) {
-  if (!has_inputs(in.view, needs)) return 0;
+  if (!given_inputs(in.view).suffice(needs)) return 0;
   const int width = in.maps.width, height = in.maps.height;
   const size_t pixels = in.maps.pixels();
   const std::vector<float> ones(in.view.depth_weight.empty() ? static_cast<size_t>(width) : 0, 1.0f);
@@ -136,15 +129,15 @@ double fold_pixel_term(const MapLossInputs<T>& in, double weight, unsigned needs
     weights.resize(static_cast<size_t>(width));
     row_weights(row, weights.data());
   };
-  const auto sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+  const auto [used, total_weight] = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
     thread_local std::vector<T> weights;
     fill_weights(row_at(static_cast<size_t>(y) * width), weights);
-    int used = 0;
-    for (const T w : weights) used += w > T(0) ? 1 : 0;
-    return std::array<double, 2>{static_cast<double>(used), ordered_sum(weights.data(), width)};
+    int positive = 0;
+    for (const T w : weights) positive += w > T(0) ? 1 : 0;
+    return std::array<double, 2>{static_cast<double>(positive), ordered_sum(weights.data(), width)};
   });
-  if (!enough_valid(sums[0], static_cast<double>(pixels))) return 0;
-  const T step = static_cast<T>(weight / sums[1]);
+  if (!enough_valid(used, static_cast<double>(pixels))) return 0;
+  const T step = static_cast<T>(weight / total_weight);
   const double value = sum_rows<1>(in.pool, height, workspace.row_sums, [&](int y) {
     thread_local std::vector<T> weights, values;
     const size_t begin = static_cast<size_t>(y) * width;
@@ -162,7 +155,7 @@ double fold_pixel_term(const MapLossInputs<T>& in, double weight, unsigned needs
     row_values(row, weights.data(), step, out);
     return std::array<double, 1>{ordered_sum(values.data(), width)};
   })[0];
-  return value / sums[1];
+  return value / total_weight;
 }
 
 }  // namespace aligngs

@@ -152,5 +152,18 @@ TEST(LossCatalogue, ALossThatIsNotFiniteIsNamed) {
   EXPECT_STREQ(non_finite_loss(terms), "total");
 }
 
+/// Both engines ask this whether a term acts.
+TEST(GivenInputs, SufficeWhenEachNeedIsThere) {
+  TrainingView view;
+  view.data.prior_depth = ImageF(1, 1, 1);
+  view.data.labels = Image<uint16_t>(1, 1, 1);
+  const GivenInputs given = given_inputs(view);
+  EXPECT_TRUE(given.suffice(kNeedsNothing));
+  EXPECT_TRUE(given.suffice(kNeedsPriorDepth | kNeedsLabels | kNeedsDepth | kNeedsUnitNormal));
+  EXPECT_FALSE(given.suffice(kNeedsPriorNormal));
+  EXPECT_FALSE(GivenInputs{}.suffice(kNeedsPriorDepth));
+  EXPECT_FALSE(GivenInputs{}.suffice(kNeedsLabels));
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -97,7 +97,20 @@ TYPED_TEST(Degenerate, ZeroQuaternionIsTheIdentityWithoutGradient) {
   EXPECT_EQ(run(identity).gradient.positions, g.gradient.positions);
 }
 
+/// Beyond some size nothing changes: a dot is as wide as the low-pass, and a huge one covers the image evenly.
 TYPED_TEST(Degenerate, HugeAndTinyScales) {
+  const auto mean_color = [](double log_scale) {
+    GaussianModelT<TypeParam> model = make_model<TypeParam>();
+    for (int k = 0; k < 3; ++k) model.log_scales[3 * 1 + k] = TypeParam(log_scale);
+    const Rendering r = render(model, make_camera(), RenderOptions());
+    double sum = 0;
+    for (const float v : r.color.data) sum += double(v);
+    return sum / double(r.color.data.size());
+  };
+  const double dot = mean_color(-20), huge = mean_color(20);
+  EXPECT_NEAR(mean_color(-80), dot, 1e-6);
+  EXPECT_NEAR(mean_color(12), huge, 1e-5);
+  EXPECT_GT(std::abs(huge - dot), 1e-3);
   for (double log_scale : {-80.0, -20.0, 5.0, 20.0, 60.0, 500.0}) {
     GaussianModelT<TypeParam> model = make_model<TypeParam>();
     for (int k = 0; k < 3; ++k) model.log_scales[3 * 1 + k] = TypeParam(log_scale);
@@ -107,7 +120,8 @@ TYPED_TEST(Degenerate, HugeAndTinyScales) {
     const Gradients<TypeParam> g = gradients<TypeParam>(model, make_view(), request, 1.0, all_maps<TypeParam>());
     SCOPED_TRACE(log_scale);
     expect_finite(g);
-    EXPECT_EQ(g.non_finite.size(), log_scale == 500.0 || (log_scale == 60.0 && sizeof(TypeParam) == 4) ? 1u : 0u);
+    const bool unusable = log_scale == 500.0 || (log_scale == 60.0 && sizeof(TypeParam) == 4);
+    EXPECT_EQ(g.non_finite, unusable ? std::vector<uint32_t>{1} : std::vector<uint32_t>{});
   }
 }
 
@@ -118,6 +132,12 @@ TYPED_TEST(Degenerate, NeedleKeepsAFiniteConic) {
   const Gradients<TypeParam> g = run(model);
   EXPECT_TRUE(g.non_finite.empty());
   expect_finite(g);
+  // Across the needle there is nothing but the low-pass, and along it hardly any curvature.
+  const RasterSettings raster;
+  const Symmetric2<TypeParam> conic = make_splats(model, make_camera(), raster, 3).projections[1].conic;
+  const double trace = double(conic.xx + conic.yy);
+  EXPECT_NEAR(trace, 1 / double(raster.low_pass), 1e-3);
+  EXPECT_NEAR(double(conic.xx) * double(conic.yy), double(conic.xy) * double(conic.xy), 1e-5 * trace * trace);
 }
 
 TYPED_TEST(Degenerate, OpacityZeroIsCulledAndOneIsOpaque) {

@@ -94,13 +94,13 @@ inline double rms_over(size_t visible, double sum_of_squares) {
 /// Sums over the pixels of a view, per row. Three ways into alpha are kept apart: colour (density statistics take it
 /// alone), geometry, semantics.
 template <class T>
-struct RowSums {
+struct PixelSumsOfRows {
   std::vector<ProjectionGradient<T>> by_color, by_geometry, by_semantics;
   std::vector<Vec3<T>> color;     ///< dL / d colour
   std::vector<Vec2<T>> mean_abs;  ///< sum of |dL_photometric / d mean2D|
   std::vector<double> weight, residual, unsupported;
   std::vector<uint8_t> touched;
-  explicit RowSums(size_t n)
+  explicit PixelSumsOfRows(size_t n)
       : by_color(n),
         by_geometry(n),
         by_semantics(n),
@@ -133,8 +133,8 @@ T prior_depth_of(const TrainingView& view, const LossSettings& settings, int x, 
 /// The way back through one pixel: from the gradients of its maps to the projections, colours and rows.
 template <class T>
 void backward_pixel(const Splats<T>& s, const RenderMaps<T>& maps, const MapGradients<T>& dmap,
-                    const TrainingView& view, const StepRequest& request, int x, int y, SemanticPass<T>& semantics,
-                    std::vector<Contribution<T>>& list, RowSums<T>& sums) {
+                    const TrainingView& view, const StepRequest& request, int x, int y, SemanticsOfView<T>& semantics,
+                    std::vector<Contribution<T>>& list, PixelSumsOfRows<T>& sums) {
   const RasterSettings& raster = request.raster;
   const size_t pixels = maps.pixels(), u = size_t(y) * maps.width + x;
   const Vec3<T> gcolor{dmap.color[u], dmap.color[pixels + u], dmap.color[2 * pixels + u]};
@@ -185,7 +185,7 @@ void backward_pixel(const Splats<T>& s, const RenderMaps<T>& maps, const MapGrad
 
 /// This view's contribution to DensityStatistics; rows that touched nothing stay zero.
 template <class T>
-DensityStatistics density_contribution(const Splats<T>& s, const RowSums<T>& sums) {
+DensityStatistics density_contribution(const Splats<T>& s, const PixelSumsOfRows<T>& sums) {
   const size_t n = sums.touched.size();
   const double to_ndc_x = 0.5 * s.camera.width, to_ndc_y = 0.5 * s.camera.height;
   DensityStatistics d;
@@ -209,8 +209,8 @@ DensityStatistics density_contribution(const Splats<T>& s, const RowSums<T>& sum
 
 /// From projections, colours and blended features to the parameters of every row that touched a pixel.
 template <class T>
-void to_parameters(const GaussianModelT<T>& model, const Splats<T>& s, const RowSums<T>& sums,
-                   const SemanticPass<T>& semantics, int sh_degree, Gradients<T>& out) {
+void to_parameters(const GaussianModelT<T>& model, const Splats<T>& s, const PixelSumsOfRows<T>& sums,
+                   const SemanticsOfView<T>& semantics, int sh_degree, Gradients<T>& out) {
   const size_t rows = model.size();
   out.photometric_mean.assign(rows, Vec2<T>());
   out.coupling_mean.assign(rows, Vec2<T>());
@@ -262,8 +262,8 @@ Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view,
   dmap.reset(maps.pixels());
   map_loss(maps, out.losses, dmap);
 
-  SemanticPass<T> semantics(model, view, set);
-  detail::RowSums<T> sums(model.size());
+  SemanticsOfView<T> semantics(model, view, set);
+  detail::PixelSumsOfRows<T> sums(model.size());
   std::vector<Contribution<T>> list;
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {

@@ -20,7 +20,7 @@ struct SemanticPixel {
 };
 
 template <class T>
-struct SemanticPass {
+struct SemanticsOfView {
   const TrainingView& view;
   const LossSettings& settings;
   int channels = 0;
@@ -32,7 +32,7 @@ struct SemanticPass {
   double surrogate = 0;       ///< mean of L_geo; kPlain: 0
 
   /// On with a teacher of the model's number of classes, a weight and at least one valid pixel.
-  SemanticPass(const GaussianModelT<T>& model, const TrainingView& training_view, const LossSettings& loss)
+  SemanticsOfView(const GaussianModelT<T>& model, const TrainingView& training_view, const LossSettings& loss)
       : view(training_view), settings(loss) {
     const bool wanted = loss.weight[Loss::kSemanticSoft] != 0 || loss.weight[Loss::kSemanticHard] != 0;
     if (!wanted || model.semantic_channels == 0 || view.data.semantics.channels != model.semantic_channels) return;

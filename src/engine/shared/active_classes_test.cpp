@@ -16,7 +16,7 @@ using namespace testing_scene;
 
 TEST(ActiveClasses, AreThoseThatSomePixelRanksAmongItsTopTwo) {
   ThreadPool pool(2);
-  const SceneOptions o = options(40);
+  const RandomSceneOptions o = options(40);
   TrainingView view = teacher_view(o, true);
   const ActiveClasses map = find_active_classes({view}, 2, pool);
   std::vector<uint16_t> want;
@@ -35,7 +35,7 @@ TEST(ActiveClasses, AreThoseThatSomePixelRanksAmongItsTopTwo) {
 
 TEST(ActiveClasses, AllClassesAreChannelsWhenThereIsNothingToGain) {
   ThreadPool pool(1);
-  const SceneOptions o = options(kActive + 1);  // one inactive class would become a remainder of one
+  const RandomSceneOptions o = options(kActive + 1);  // one inactive class would become a remainder of one
   EXPECT_FALSE(find_active_classes({teacher_view(o, false)}, 2, pool).has_remainder());
   EXPECT_FALSE(find_active_classes({teacher_view(options(40), false)}, 0, pool).has_remainder());
   EXPECT_FALSE(find_active_classes({}, 2, pool).has_remainder());
@@ -90,7 +90,7 @@ TEST(ActiveClasses, ACompactTargetSumsToOneAgain) {
 }
 
 TEST(ActiveClasses, FilesKeepEveryClassAndResumeBitByBit) {
-  const SceneOptions o = options(40);
+  const RandomSceneOptions o = options(40);
   const TrainingView view = teacher_view(o, true);
   CpuEngine engine(2);
   prepare(engine, 2, make_model(o), view);
@@ -126,7 +126,7 @@ TEST(ActiveClasses, FilesKeepEveryClassAndResumeBitByBit) {
 }
 
 TEST(ActiveClasses, ViewsMayComeBeforeOrAfterTheModel) {
-  const SceneOptions o = options(40);
+  const RandomSceneOptions o = options(40);
   const GaussianModel model = model_with_remainder(o);
   const TrainingView view = teacher_view(o, true);
   CpuEngine before(1), after(1);
@@ -141,7 +141,7 @@ TEST(ActiveClasses, ViewsMayComeBeforeOrAfterTheModel) {
   after.store(b);
   EXPECT_EQ(a.semantics, b.semantics);
   // A model of another number of classes trains without semantics, whatever the number of channels is.
-  SceneOptions other = o;
+  RandomSceneOptions other = o;
   other.channels = kActive + 1;
   before.load(make_model(other));
   EXPECT_EQ(before.step(make_request()).losses[Loss::kSemanticSoft], 0.0);

@@ -1,4 +1,5 @@
 // The step that most tests of the engines ask for: losses on colour and classes with weights as in the paper.
+// Blend and coupling are our own.
 #pragma once
 
 #include "engine/settings.h"
@@ -12,6 +13,8 @@ inline LossSettings color_and_class_losses() {
   losses.weight[Loss::kFlatten] = 100;
   losses.weight[Loss::kSemanticSoft] = 1;
   losses.weight[Loss::kSemanticHard] = 0.1f;
+  losses.semantic_blend = SemanticBlend::kProbabilities;
+  losses.coupling = SemanticCoupling::kBounded;
   losses.coupling_strength = 0.1f;
   losses.log_depth_huber = 0.02f;
   return losses;

@@ -14,7 +14,7 @@
 namespace aligngs::cpu::testing_scene {
 
 /// A scene of Gaussians in front of a camera at the origin of a tilted frame.
-struct SceneOptions {
+struct RandomSceneOptions {
   int width = 53, height = 37;  ///< no multiples of the tile
   size_t gaussians = 300;
   int channels = 7;
@@ -37,7 +37,7 @@ inline Camera make_camera(int width, int height) {
   return c;
 }
 
-inline GaussianModel make_model(const SceneOptions& o) {
+inline GaussianModel make_model(const RandomSceneOptions& o) {
   Random random(o.seed);
   const Camera camera = make_camera(o.width, o.height);
   const Rigidd to_world = camera.world_to_camera.inverse();
@@ -65,7 +65,7 @@ inline GaussianModel make_model(const SceneOptions& o) {
 }
 
 /// A photo of noise over waves, a prior depth with a hole, and a teacher at about half size that is silent in a corner.
-inline TrainingView make_view(const SceneOptions& o) {
+inline TrainingView make_view(const RandomSceneOptions& o) {
   Random random(o.seed + 100);
   TrainingView v;
   v.data.name = "view";

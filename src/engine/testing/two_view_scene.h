@@ -10,7 +10,7 @@ namespace aligngs::cpu::testing_scene {
 
 /// A wall of overlapping flat splats two units in front of the first of two views: what both see is one surface.
 inline GaussianModel make_wall() {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.gaussians = 600;
   o.channels = 0;
   o.depth_min = 1.95;
@@ -29,7 +29,7 @@ inline GaussianModel make_wall() {
 }
 
 inline std::vector<TrainingView> make_view_pair() {
-  SceneOptions o;
+  RandomSceneOptions o;
   o.channels = 0;
   TrainingView first = make_view(o), second = make_view(o);
   second.data.camera.world_to_camera.translation.x += 0.1;

@@ -94,6 +94,7 @@ inline FusionOptions fusion_options() {
   options.min_alpha = 0.9;
   options.min_cosine = 0.17;
   options.single_view_weight = 0.25;
+  options.consistency.depth_tolerance = 0.01;
   return options;
 }
 

@@ -14,12 +14,12 @@ inline constexpr int kOperandStride = kProductStep + 8;
 inline constexpr int kOperandChunk = 8;  ///< bfloat16 per 16-byte load
 inline constexpr int kChunksPerRow = kProductStep / kOperandChunk;
 
-struct ProductEnds {
+struct BiasAndActivation {
   const float* bias;
   nn::Activation activation;
 };
 
-__device__ __forceinline__ float finished_product(float sum, const ProductEnds& ends, int column) {
+__device__ __forceinline__ float finished_product(float sum, const BiasAndActivation& ends, int column) {
   return activated(ends.bias == nullptr ? sum : sum + ends.bias[column], ends.activation);
 }
 
@@ -60,7 +60,7 @@ __device__ __forceinline__ void store_operands(const uint4* from, Bf16* shared) 
 
 template <int kWarpsM, int kWarpsN, int kTilesM, int kTilesN>
 __global__ void __launch_bounds__(32 * kWarpsM * kWarpsN)
-    product_bf16_kernel(const Bf16* x, const Bf16* w, int rows, int outputs, int depth, ProductEnds ends,
+    product_bf16_kernel(const Bf16* x, const Bf16* w, int rows, int outputs, int depth, BiasAndActivation ends,
                         DeviceSpan<float> y) {
   using Shape = ProductBlock<kWarpsM, kWarpsN, kTilesM, kTilesN>;
   constexpr int kSharedX = Shape::kRows * kOperandStride, kSharedW = Shape::kColumns * kOperandStride;
@@ -133,7 +133,7 @@ inline constexpr int kFloatStride = kFloatTile + 4;  // a multiple of four, so t
 /// 64 x 64 outputs per block, 4 x 4 per thread.
 __global__ void __launch_bounds__(kElementThreads)
     product_float_kernel(DeviceSpan<const float> x, DeviceSpan<const float> w, int rows, int outputs, int depth,
-                         ProductEnds ends, DeviceSpan<float> y) {
+                         BiasAndActivation ends, DeviceSpan<float> y) {
   __shared__ float xs[kFloatStep * kFloatStride], ws[kFloatStep * kFloatStride];
   const int first_row = static_cast<int>(blockIdx.y) * kFloatTile,
             first_column = static_cast<int>(blockIdx.x) * kFloatTile;
@@ -222,7 +222,7 @@ void launch_bf16(const DeviceContext& context, const ProductSpans& p, DeviceSpan
   launch(context, "product_bf16", product_bf16_kernel<kWarpsM, kWarpsN, kTilesM, kTilesN>,
          {dim3(blocks(p.outputs, Shape::kColumns), blocks(p.rows, Shape::kRows)), dim3(Shape::kThreadCount)},
          reinterpret_cast<const Bf16*>(x.data), reinterpret_cast<const Bf16*>(w.data), static_cast<int>(p.rows),
-         static_cast<int>(p.outputs), static_cast<int>(p.depth), ProductEnds{p.bias, p.activation}, p.y);
+         static_cast<int>(p.outputs), static_cast<int>(p.depth), BiasAndActivation{p.bias, p.activation}, p.y);
 }
 
 template <class T>
@@ -248,7 +248,7 @@ void multiply_float(const DeviceContext& context, const ProductSpans& p, DeviceS
   const auto blocks = [](int64_t n) { return static_cast<unsigned>((n + kFloatTile - 1) / kFloatTile); };
   launch(context, "product_float", product_float_kernel,
          {dim3(blocks(p.outputs), blocks(p.rows)), dim3(kElementThreads)}, x, w, static_cast<int>(p.rows),
-         static_cast<int>(p.outputs), static_cast<int>(p.depth), ProductEnds{p.bias, p.activation}, p.y);
+         static_cast<int>(p.outputs), static_cast<int>(p.depth), BiasAndActivation{p.bias, p.activation}, p.y);
 }
 
 void round_rows(const DeviceContext& context, DeviceSpan<const float> x, int64_t inputs, bool relu,

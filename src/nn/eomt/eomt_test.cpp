@@ -94,13 +94,25 @@ TEST_F(EomtTest, TheFilesOwnPixelValuesCount) {
   expect_refused("not positive");
 }
 
+/// SwiGLU multiplies the halves of the first layer: if one is 0, nothing but the second layer's bias is left.
 TEST_F(EomtTest, AGatedFeedForwardPartIsReadByItsShape) {
-  for (int i = 0; i < 4; ++i) {
-    const std::string block = "network.encoder.backbone.blocks." + std::to_string(i) + ".mlp.";
-    weights_->set(block + "fc2.weight", {32, 64}, random_values(32 * 64));
+  const auto masks_with = [&](const std::vector<float>& first, int64_t inner, const std::vector<float>& second) {
+    for (int i = 0; i < 4; ++i) {
+      const std::string block = "network.encoder.backbone.blocks." + std::to_string(i) + ".mlp.";
+      weights_->set(block + "fc1.weight", {128, 32}, first);
+      weights_->set(block + "fc1.bias", {128}, std::vector<float>(128));
+      weights_->set(block + "fc2.weight", {32, inner}, second);
+    }
+    return network()(compute_, small_photo(64, 64)).masks.data;
+  };
+  const std::vector<float> first = random_values(128 * 32, 2), second = random_values(32 * 64, 3);
+  const std::vector<float> nothing = masks_with(first, 128, std::vector<float>(32 * 128));
+  EXPECT_NE(masks_with(first, 64, second), nothing);
+  for (const int64_t half : {0, 1}) {
+    std::vector<float> half_of_first = first;
+    std::fill_n(half_of_first.begin() + half * 64 * 32, 64 * 32, 0.0f);
+    EXPECT_EQ(masks_with(half_of_first, 64, second), nothing) << half;
   }
-  const EomtPrediction prediction = network()(compute_, small_photo(64, 64));
-  for (const float v : prediction.masks.data) ASSERT_TRUE(std::isfinite(v));
 }
 
 TEST_F(EomtTest, MasksOfTrainingThatAreStillInUseAreRefused) {

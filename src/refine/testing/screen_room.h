@@ -57,13 +57,13 @@ inline Camera camera(double x, double y, double turn) {
   return out;
 }
 
-struct Photo {
+struct ScreenPhoto {
   PlaneView view;  ///< true depth
   ImageF luma;
 };
 
-inline Photo photo(const Camera& camera, const Screen& screen) {
-  Photo out;
+inline ScreenPhoto photo(const Camera& camera, const Screen& screen) {
+  ScreenPhoto out;
   out.view.camera = camera;
   out.view.depth = ImageF(kPhotoWidth, kPhotoHeight, 1);
   out.view.labels = Image<uint16_t>(kPhotoWidth, kPhotoHeight, 1);
@@ -114,7 +114,7 @@ struct Photos {
 
   explicit Photos(const Screen& screen, int count = 5) {
     for (int i = 0; i < count; ++i) {
-      Photo p = photo(camera(-0.8 + 0.4 * i, -0.3 + 0.1 * (i % 2), 0.12 * i - 0.24), screen);
+      ScreenPhoto p = photo(camera(-0.8 + 0.4 * i, -0.3 + 0.1 * (i % 2), 0.12 * i - 0.24), screen);
       views.push_back(std::move(p.view));
       lumas.push_back(std::move(p.luma));
     }

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "compare_ops.h"
@@ -30,7 +29,7 @@ void compare_map_losses(cuda::DeviceContext& context, const CpuStep& step, OpTab
   DeviceArray<LossTerms> terms(context, 1, "losses");
   const cuda::TrainingMaps training(context, step.scene.training);
   cuda::DeviceArena arena(context);
-  const cuda::MapLossInputs in{
+  const cuda::MapLossSpans in{
       {maps.width, maps.height, color.span(), normal.span(), alpha.span(), distance.span(), expected.span(), {}},
       training.spans(),
       step.scene.request.losses};
@@ -48,8 +47,8 @@ void compare_map_losses(cuda::DeviceContext& context, const CpuStep& step, OpTab
   table.compare("map_losses", "residual", residual.to_host(), step.residual, tight(t.map));
 }
 
-std::vector<cuda::SplatGradient> run_blend_backward(cuda::DeviceContext& context, const CpuStep& step,
-                                                    cuda::BlendBackwardMethod method) {
+std::vector<SplatGradient> run_blend_backward(cuda::DeviceContext& context, const CpuStep& step,
+                                              cuda::BlendBackwardMethod method) {
   DeviceArray<float> color, normal, distance, alpha, residual, prior;
   color.assign(context, step.gradients.color, "gradients");
   normal.assign(context, step.gradients.normal, "gradients");
@@ -57,7 +56,7 @@ std::vector<cuda::SplatGradient> run_blend_backward(cuda::DeviceContext& context
   alpha.assign(context, step.gradients.alpha, "gradients");
   residual.assign(context, step.residual, "residual");
   prior.assign(context, step.scene.training.data.prior_depth.data, "prior");
-  DeviceArray<cuda::SplatGradient> slots(context, step.view.lists.instances(), "slots");
+  DeviceArray<SplatGradient> slots(context, step.view.lists.instances(), "slots");
   cuda::TestView& view = step.view;
   cuda::DeviceArena arena(context);
   cuda::DeviceFrame frame =
@@ -89,12 +88,18 @@ void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, O
   const struct {
     const char* name;
     size_t first, count;
-  } fields[] = {{"colour", 0, 3},       {"weight", 3, 1},       {"normal", 4, 3},
-                {"distance", 7, 1},     {"moments", 8, 6},      {"residual", 14, 1},
-                {"unsupported", 15, 1}, {"photometric", 16, 2}, {"absolute", 18, 2}};
+  } fields[] = {{"colour", kSumColor, 3},
+                {"weight", kSumWeight, 1},
+                {"normal", kSumNormal, 3},
+                {"distance", kSumDistance, 1},
+                {"moments", kSumP, 6},
+                {"residual", kSumResidual, 1},
+                {"unsupported", kSumUnsupported, 1},
+                {"photometric", kSumPhotometricP, 2},
+                {"absolute", kSumPhotometricAbsP, 2}};
   const auto seen = [&](size_t slot) { return step.view.record.seen[slot] != 0; };
   for (const auto method : {cuda::BlendBackwardMethod::kPerPixel, cuda::BlendBackwardMethod::kPerSplat}) {
-    const std::vector<cuda::SplatGradient> got = run_blend_backward(context, step, method);
+    const std::vector<SplatGradient> got = run_blend_backward(context, step, method);
     const char* op = method == cuda::BlendBackwardMethod::kPerPixel ? "backward_per_pixel" : "backward_per_splat";
     for (const auto& f : fields) {
       table.compare(op, f.name, fields_of(got, got.size(), f.first, f.count, seen),
@@ -106,26 +111,26 @@ void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, O
 void compare_parameter_gradients(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   cuda::TestView& view = step.view;
   const size_t n = step.scene.model.size(), instances = step.view.lists.instances();
-  std::vector<cuda::SplatGradient> main(instances);
+  std::vector<SplatGradient> main(instances);
   std::vector<cuda::CouplingMoments> moments(instances);
   for (size_t i = 0; i < instances; ++i) {
-    const cpu::SplatGradient& s = step.slots[i];
-    std::memcpy(&main[i], &s, sizeof main[i]);
+    const cpu::CoupledSplatGradient& s = step.slots[i];
+    main[i] = s.maps;
     moments[i] = {s.coupling_p, s.coupling_r, s.coupling_one, s.coupling_pp, s.coupling_pr, s.coupling_rr, {0, 0}};
   }
   cuda::DeviceModel model(context, step.scene.model), out(context, step.scene.model);
-  DeviceArray<cuda::SplatGradient> slots;
+  DeviceArray<SplatGradient> slots;
   DeviceArray<cuda::CouplingMoments> coupling;
   DeviceArray<uint8_t> touched(context, n, "touched");
   DeviceArray<uint32_t> visible(context, 1, "visible");
-  DeviceArray<cuda::DensitySums> density(context, n, "density");
+  DeviceArray<DensitySums> density(context, n, "density");
   DeviceArray<double> squares(context, 2, "squares"), scratch(context, cuda::square_scratch(n), "scratch");
   DeviceArray<unsigned long long> bad;
   slots.assign(context, main, "slots");
   coupling.assign(context, moments, "coupling");
   bad.assign(context, {cuda::kNoBadGradient}, "state");
   mark_touched(context, view.list_spans(), view.record_spans(), touched.span(), visible.span());
-  cuda::ParameterGradientInputs in;
+  cuda::ParameterGradientSpans in;
   in.model = model.spans();
   in.view = view.view_spans();
   in.lists = view.list_spans();
@@ -158,7 +163,7 @@ void compare_parameter_gradients(cuda::DeviceContext& context, const CpuStep& st
   table.compare(op, "d opacity logits", out.opacity_logits.to_host(), want.opacity_logits, limit);
   constexpr size_t kShRow = size_t(3) * kShCoefficients;
   table.compare(op, "d sh", rows_of(out.sh.to_host(), kShRow), rows_of(want.sh, kShRow), limit);
-  constexpr size_t kDensityFloats = sizeof(cuda::DensitySums) / sizeof(float);
+  constexpr size_t kDensityFloats = sizeof(DensitySums) / sizeof(float);
   table.compare(op, "density sums", fields_of(density.to_host(), n, 0, kDensityFloats, is_touched),
                 fields_of(want.density, n, 0, kDensityFloats, is_touched), limit);
   const double rows = static_cast<double>(std::max<size_t>(1, step.view.visible));

@@ -9,8 +9,9 @@
 
 namespace aligngs::op_compare {
 
-void compare_forward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);    ///< project, lists, blend
-void compare_backward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);   ///< losses, blend, reduce
+void compare_forward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);  ///< project, lists, blend
+void compare_backward(cuda::DeviceContext& context, const CpuStep& step,
+                      OpTable& table);  ///< losses, blend, parameter gradients
 void compare_semantics(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);  ///< rows, visit, gradients
 void compare_updates(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);    ///< shape, density, Adam
 /// The multi-view terms, on two photos of a folded wall: in the room nothing is seen alike from two places.

@@ -76,7 +76,7 @@ void CpuStep::run_backward() {
   }
 }
 
-cpu::ParameterGradientInputs CpuStep::reduce_inputs(const StepRequest& request) const {
+cpu::ParameterGradientInputs CpuStep::parameter_gradient_inputs(const StepRequest& request) const {
   return {scene.model, view.view, view.lists,   view.record,
           slots,       request,   view.visible, semantics() ? coupling_scale : 0.0f};
 }
@@ -87,10 +87,10 @@ void CpuStep::run_reduction() {
   LossTerms none;
   cpu::ParameterGradientTotals same;
   parameters.touched = with_shape.touched = view.cpu_gradients.touched;
-  cpu::parameter_gradients(reduce_inputs(plain), view.pool, none, totals, parameters);
-  cpu::parameter_gradients(reduce_inputs(scene.request), view.pool, shape_terms, same, with_shape);
+  cpu::parameter_gradients(parameter_gradient_inputs(plain), view.pool, none, totals, parameters);
+  cpu::parameter_gradients(parameter_gradient_inputs(scene.request), view.pool, shape_terms, same, with_shape);
   for (const NamedArray& a : arrays_of(statistics)) a.values->assign(scene.model.size(), 0.0f);
-  cpu::add_density_statistics(reduce_inputs(scene.request), parameters, view.pool, statistics);
+  cpu::add_density_statistics(parameter_gradient_inputs(scene.request), parameters, view.pool, statistics);
 }
 
 }  // namespace aligngs::op_compare

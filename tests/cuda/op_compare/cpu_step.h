@@ -48,7 +48,7 @@ struct CpuStep {
   DensityStatistics statistics;
 
   bool semantics() const { return channels > 0; }
-  cpu::ParameterGradientInputs reduce_inputs(const StepRequest& request) const;
+  cpu::ParameterGradientInputs parameter_gradient_inputs(const StepRequest& request) const;
 
  private:
   void run_losses();

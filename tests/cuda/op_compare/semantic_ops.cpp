@@ -50,6 +50,7 @@ class SemanticOps {
     row_inputs_.model = model_.spans();
     row_inputs_.touched = touched_.span();
     row_inputs_.rank = step.view.list_spans().rank;
+    row_inputs_.blend = step.scene.request.losses.semantic_blend;
     semantic_rows(context, row_inputs_, rows_.span());
   }
 

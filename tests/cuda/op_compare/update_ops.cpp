@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 
 #include "compare_ops.h"
 #include "core/random.h"
@@ -85,11 +84,11 @@ void compare_pose_gradient(cuda::DeviceContext& context, const CpuStep& step, Op
 
 void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   const size_t n = step.scene.model.size();
-  std::vector<cuda::DensitySums> sums(n);
+  std::vector<DensitySums> sums(n);
   for (size_t i = 0; i < n; ++i) {
-    if (step.parameters.touched[i] != 0) std::memcpy(&sums[i], &step.parameters.density[i], sizeof sums[i]);
+    if (step.parameters.touched[i] != 0) sums[i] = step.parameters.density[i];
   }
-  DeviceArray<cuda::DensitySums> device_sums;
+  DeviceArray<DensitySums> device_sums;
   device_sums.assign(context, sums, "density sums");
   DeviceArray<uint8_t> touched;
   touched.assign(context, step.parameters.touched, "touched");

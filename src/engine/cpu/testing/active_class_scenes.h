@@ -10,7 +10,7 @@ inline uint16_t active_class(int i, int channels) { return static_cast<uint16_t>
 
 /// A teacher that mixes two active classes in smooth regions. The rest of its mass lies on the inactive classes, evenly
 /// or (`uneven`) at random.
-inline TrainingView teacher_view(const SceneOptions& o, bool uneven, double rest = 0.1) {
+inline TrainingView teacher_view(const RandomSceneOptions& o, bool uneven, double rest = 0.1) {
   Random random(o.seed + 7);
   TrainingView v = make_view(o);
   SemanticTarget& t = v.data.semantics;
@@ -41,7 +41,7 @@ inline std::vector<uint8_t> active_flags(int channels) {
 }
 
 /// A model whose rows hold one number for all inactive classes.
-inline GaussianModel model_with_remainder(const SceneOptions& o) {
+inline GaussianModel model_with_remainder(const RandomSceneOptions& o) {
   GaussianModel m = make_model(o);
   for (size_t i = 0; i < m.size(); ++i) {
     float* row = &m.semantics[i * static_cast<size_t>(o.channels)];
@@ -52,8 +52,8 @@ inline GaussianModel model_with_remainder(const SceneOptions& o) {
   return m;
 }
 
-inline SceneOptions options(int channels) {
-  SceneOptions o;
+inline RandomSceneOptions options(int channels) {
+  RandomSceneOptions o;
   o.channels = channels;
   o.gaussians = 200;
   return o;

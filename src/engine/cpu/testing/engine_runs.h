@@ -11,7 +11,7 @@
 
 namespace aligngs::cpu::testing_scene {
 
-inline std::vector<TrainingView> two_views(const SceneOptions& o) {
+inline std::vector<TrainingView> two_views(const RandomSceneOptions& o) {
   TrainingView first = make_view(o), second = make_view(o);
   second.data.camera.world_to_camera.translation.x += 0.3;
   return {first, second};

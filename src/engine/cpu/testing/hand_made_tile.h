@@ -41,7 +41,7 @@ class HandMadeTile {
  public:
   explicit HandMadeTile(const TileOptions& o) : options(o) {
     Random random(5);
-    SceneOptions scene;
+    RandomSceneOptions scene;
     scene.width = scene.height = kTileSize;
     scene.channels = o.channels;
     view = make_view(scene);
@@ -167,7 +167,7 @@ class HandMadeTile {
   double soft = 0, hard = 0;
   AlignedArray<float> coupling[kTileBlocks];
   std::vector<float> row_gradients;
-  AlignedArray<SplatGradient> sums;
+  AlignedArray<CoupledSplatGradient> sums;
   std::vector<double> want_alpha;  ///< [gaussians] sum over pixels of w (q - the blend behind)
   /// (Pixel, class) pairs of blended probabilities: those without a gradient, those whose side of the floor is not
   /// told, all.

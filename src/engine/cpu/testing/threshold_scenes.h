@@ -22,8 +22,8 @@ inline double opacity_of(float logit) { return 1 / (1 + std::exp(-static_cast<do
 inline float logit_of(double opacity) { return static_cast<float>(std::log(opacity / (1 - opacity))); }
 
 /// The dots, coloured and labelled as make_model does, before the rows of `behind`.
-inline GaussianModel with_dots(const std::vector<Dot>& dots, const SceneOptions& o, GaussianModel behind) {
-  SceneOptions front = o;
+inline GaussianModel with_dots(const std::vector<Dot>& dots, const RandomSceneOptions& o, GaussianModel behind) {
+  RandomSceneOptions front = o;
   front.gaussians = dots.size();
   front.seed = o.seed + 50;
   GaussianModel m = make_model(front);

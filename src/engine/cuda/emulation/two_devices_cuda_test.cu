@@ -80,7 +80,7 @@ TEST_F(TwoDevices, MemoryOfContextsInTurnIsWhereItBelongs) {
 
 TEST_F(TwoDevices, AnEngineKeepsToItsDevice) {
   using namespace cpu::testing_scene;
-  cpu::testing_scene::SceneOptions o;
+  cpu::testing_scene::RandomSceneOptions o;
   o.width = 20;
   o.height = 16;
   o.gaussians = 10;

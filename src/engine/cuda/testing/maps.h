@@ -57,7 +57,7 @@ inline MapLossResult losses_on_device(DeviceContext& context, const testing_maps
   const TrainingMaps view(context, f.view);
   TrainingMaps other_maps;
   DeviceArena arena(context);
-  MapLossInputs in;
+  MapLossSpans in;
   in.maps = {maps.width, maps.height, color.span(), normal.span(), alpha.span(), distance.span(), expected.span(), {}};
   in.view = view.spans();
   in.settings = f.settings;

@@ -1,10 +1,10 @@
-// Photometric losses: L1 and SSIM with separable windows in shared memory. One pass forms the values and the
-// derivatives by the local moments, one the gradient.
-#pragma once
+// Kernels of photometric.h: SSIM with separable windows in shared memory. One pass forms the values and the derivatives
+// by the local moments, one the gradient.
+#include "engine/cuda/photometric.h"
 
 #include "device/constants.h"
 #include "device/device_language.h"
-#include "engine/cuda/map_losses.h"
+#include "device/launch.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/photometric.h"
@@ -170,6 +170,38 @@ __global__ void __launch_bounds__(kSumThreads)
     if (settings.weight[Loss::kSsim] != 0) t.add(Loss::kSsim, settings.weight[Loss::kSsim], 1 - sums[kSumSsim] * scale);
   }
   terms[0] = t;
+}
+
+void photometric_losses(DeviceArena& arena, const MapLossSpans& in, const MapLossOutputs& out) {
+  const DeviceContext& context = arena.context();
+  const size_t pixels = size_t(in.maps.width) * in.maps.height;
+  const double scale = in.view.counted > 0 ? 1.0 / (3.0 * in.view.counted) : 0.0;
+  PhotometricInputs p;
+  p.maps = in.maps;
+  p.view = in.view;
+  p.window = gaussian_window<float>();
+  p.ssim = in.settings.weight[Loss::kSsim] != 0;
+  p.l1_step = static_cast<float>(in.settings.weight[Loss::kL1] * scale);
+  p.ssim_factor = static_cast<float>(-in.settings.weight[Loss::kSsim] * scale);
+  const dim3 tiles(static_cast<unsigned>((in.maps.width + kSsimTile - 1) / kSsimTile),
+                   static_cast<unsigned>((in.maps.height + kSsimTile - 1) / kSsimTile), 3);
+  const size_t blocks = size_t(tiles.x) * tiles.y * tiles.z;
+  const DeviceSpan<double> partial = arena.take<double>(kPhotometricSums * blocks, "photometric sums");
+  const DeviceSpan<float> derivatives =
+      arena.take<float>(p.ssim ? 3 * kSsimGradients * pixels : 0, "derivatives of SSIM");
+  launch(context, "photometric_forward", photometric_forward_kernel, {tiles, dim3(kSsimThreads), 0}, p, derivatives,
+         partial);
+  launch(context, "finish_photometric", finish_photometric_kernel, {dim3(1), dim3(kSumThreads), 0}, in.settings,
+         in.view.counted, partial, out.terms);
+  launch(context, "photometric_backward", photometric_backward_kernel, {dim3(tiles.x, tiles.y), dim3(kSsimThreads), 0},
+         p, derivatives, out.gradients.color, out.residual);
+}
+
+uint64_t photometric_scratch_bytes(const LossSettings& settings, size_t pixels) {
+  // Blocks of kSsimThreads leave one sum each per term; the rest of a tile at the border is small.
+  uint64_t bytes = uint64_t(3 * kPhotometricSums) * (pixels / kSsimThreads + 1) * sizeof(double);
+  if (settings.weight[Loss::kSsim] != 0) bytes += uint64_t(3 * kSsimGradients) * pixels * sizeof(float);
+  return bytes;
 }
 
 }  // namespace aligngs::cuda

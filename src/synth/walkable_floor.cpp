@@ -1,4 +1,4 @@
-#include "synth/free_space.h"
+#include "synth/walkable_floor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,13 +16,13 @@ constexpr double kArm = 0.5;           // how far from the body a phone is held 
 constexpr double kLow = 0.8;           // furniture lower than this can be reached over
 constexpr double kClearance = 0.28;    // of the camera from tall furniture
 
-double distance_to(const Footprint& f, const Vec2d& p) {
+double distance_to(const FurnitureFootprint& f, const Vec2d& p) {
   return std::hypot(std::max({f.x0 - p.x, 0.0, p.x - f.x1}), std::max({f.y0 - p.y, 0.0, p.y - f.y1}));
 }
 
 }  // namespace
 
-FreeSpace::FreeSpace(const RoomModel& room) {
+WalkableFloor::WalkableFloor(const RoomModel& room) {
   columns_ = static_cast<int>(room.width / kCell);
   rows_ = static_cast<int>(room.depth / kCell);
   const size_t n = static_cast<size_t>(columns_) * rows_;
@@ -32,7 +32,7 @@ FreeSpace::FreeSpace(const RoomModel& room) {
     const double wall = std::min({p.x, p.y, room.width - p.x, room.depth - p.y});
     standing[i] = wall >= kBody;
     clear[i] = wall >= kWallDistance;
-    for (const Footprint& f : room.footprints) {
+    for (const FurnitureFootprint& f : room.footprints) {
       const double d = distance_to(f, p);
       if (f.bottom < 1.0 && d < kBody) standing[i] = 0;
       if (f.top > kLow && d < kClearance) clear[i] = 0;  // hanging things count as well
@@ -83,15 +83,15 @@ FreeSpace::FreeSpace(const RoomModel& room) {
     throw Error({ErrorKind::kFailed, "the room has no free floor for the camera", {}, {}, "try another seed"});
 }
 
-int FreeSpace::cell_of(const Vec2d& p) const {
+int WalkableFloor::cell_of(const Vec2d& p) const {
   return static_cast<int>(p.y / kCell) * columns_ + static_cast<int>(p.x / kCell);
 }
 
-Vec2d FreeSpace::centre_of(int cell) const {
+Vec2d WalkableFloor::centre_of(int cell) const {
   return {(cell % columns_ + 0.5) * kCell, (cell / columns_ + 0.5) * kCell};
 }
 
-std::vector<int> FreeSpace::shortest_path(int from, int to) const {
+std::vector<int> WalkableFloor::shortest_path(int from, int to) const {
   // Breadth first over eight neighbours; diagonal steps count alike, the walk is resampled afterwards.
   std::vector<int> previous(camera_.size(), -1);
   std::queue<int> queue;
@@ -116,7 +116,7 @@ std::vector<int> FreeSpace::shortest_path(int from, int to) const {
   return path;
 }
 
-std::vector<Vec2d> FreeSpace::walk(int count, size_t first_place) const {
+std::vector<Vec2d> WalkableFloor::walk(int count, size_t first_place) const {
   // Stops: each as far as possible from those before it, visited in the order of their angle about the middle.
   constexpr int kStops = 7;
   std::vector<Vec2d> stops = {places_[first_place % places_.size()]};

@@ -10,9 +10,9 @@ namespace aligngs {
 
 /// A grid over the floor, room frame. A person takes cells with room around them; the camera may be held over low
 /// furniture at arm's length from such a cell.
-class FreeSpace {
+class WalkableFloor {
  public:
-  explicit FreeSpace(const RoomModel& room);
+  explicit WalkableFloor(const RoomModel& room);
 
   /// Cells where the camera may be, as floor points (x, y) in the room frame.
   const std::vector<Vec2d>& camera_places() const { return places_; }

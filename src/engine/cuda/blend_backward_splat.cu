@@ -3,8 +3,11 @@
 // each step. A lane adds up for its Gaussian alone, so the sums over pixels need neither shuffles nor shared memory.
 // The idea is that of Mallick et al. 2024 (Taming 3DGS, section 4.2). There pixels enter from the front. Here they
 // enter from the back, because that sweep does not cancel (blend_backward_pixel.cuh).
-#pragma once
+#include <algorithm>
 
+#include "core/error.h"
+#include "device/launch.h"
+#include "engine/cuda/blend_backward.h"
 #include "engine/cuda/blend_backward_pixel.cuh"
 
 namespace aligngs::cuda {
@@ -13,7 +16,7 @@ static_assert(kCheckpointPlaces == kWarp && kStripPixels == kWarp, "a lane per G
 
 /// Shared memory of a block, [pixel of the tile]; 17 KB.
 struct SplatBackwardShared {
-  BackwardMaps maps;
+  BackwardPixelValues maps;
   float alpha[kTilePixels];                                          ///< dL/dalpha map, with geometry
   float prior[kTilePixels], ray_x[kTilePixels], ray_y[kTilePixels];  ///< with density
   float transmittance[kTilePixels];                                  ///< behind the last Gaussian
@@ -181,6 +184,25 @@ __global__ void __launch_bounds__(kTilePixels)
        bucket += gridDim.y * kBackwardWarps) {
     bucket_sums<kGeometry, kDensity>(in, s, tile, bucket, end, slots);
   }
+}
+
+void blend_backward_by_splat(const DeviceContext& context, const BlendBackwardInputs& in,
+                             DeviceSpan<SplatGradient> slots) {
+  const unsigned tiles = static_cast<unsigned>(in.view.tiles_x) * static_cast<unsigned>(in.view.tiles_y);
+  const size_t pairs = in.lists.gaussians.size, checkpoints = checkpoint_count(pairs) * kTilePixels;
+  if (in.record.checkpoints.size < checkpoints || (in.geometry && in.record.plane_checkpoints.size < checkpoints)) {
+    throw Error({ErrorKind::kFailed, "a backward pass per Gaussian needs checkpoints of the forward pass", {}, {}, {}});
+  }
+  const auto with_geometry =
+      in.density ? blend_backward_splat_kernel<true, true> : blend_backward_splat_kernel<true, false>;
+  const auto of_color =
+      in.density ? blend_backward_splat_kernel<false, true> : blend_backward_splat_kernel<false, false>;
+  const auto kernel = in.geometry ? with_geometry : of_color;
+  // As many blocks per tile as give each warp one bucket of a tile of average length.
+  const size_t per_block = size_t(kBackwardWarps) * kCheckpointPlaces;
+  const size_t blocks = std::clamp<size_t>(pairs / (per_block * std::max(tiles, 1u)), 1, kMostBackwardBlocks);
+  launch(context, "blend_backward_splat", kernel,
+         {dim3(tiles, static_cast<unsigned>(blocks)), dim3(kTilePixels), sizeof(SplatBackwardShared)}, in, slots);
 }
 
 }  // namespace aligngs::cuda
