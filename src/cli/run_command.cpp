@@ -21,8 +21,7 @@ namespace {
 struct RunCommandOptions {
   TrainCommandOptions train;
   PhotoCommandOptions photos;
-  PriorRequest priors;
-  std::string source;
+  std::string source, depth = "auto", semantics = "auto";
   bool dry_run = false;
   std::vector<std::string> fail_under;
 };
@@ -36,7 +35,7 @@ RunRequest request_of(const RunCommandOptions& options, const CommandContext& co
   request.photos = options.photos.poses;
   request.photos.precision = precision_of(options.photos.precision);
   request.photos.strict = options.train.strict;
-  request.priors = options.priors;
+  request.priors = {depth_choice(options.depth), semantic_choice(options.semantics)};
   return request;
 }
 
@@ -54,7 +53,7 @@ PlanExecutionOptions execution_options(const RunCommandOptions& options, const R
   photos.memory_gigabytes = options.train.memory_gigabytes;
   execution.photos = photo_options(photos, context);
   execution.photos.strict = options.train.strict;
-  if (uses_network(execution.photos.method))
+  if (is_camera_network_method(execution.photos.method))
     put_networks_on(options.train.device, options.photos.precision, false, execution.photos);
   return execution;
 }
@@ -99,13 +98,13 @@ void add_run_command(CLI::App& program, CommandContext& context) {
       ->required()
       ->group("Output folder");
   command
-      ->add_option("--semantics", options->priors.semantics,
+      ->add_option("--semantics", options->semantics,
                    "class priors, if the scene has none: " + words_in_help(semantic_choices()) +
                        ", none, or auto (the first of these that is installed)")
       ->capture_default_str()
       ->group("Priors");
   command
-      ->add_option("--depth", options->priors.depth,
+      ->add_option("--depth", options->depth,
                    "depth priors, if the scene has none: " + words_in_help(depth_choices()) +
                        ", none, or auto (the weights of --poses-model; without them depth measured from points, or the "
                        "first of these that is installed)")

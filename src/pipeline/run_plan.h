@@ -71,7 +71,7 @@ struct RunPlan {
 
   bool has(RunStep step) const;
   const PlannedStep& step(RunStep step) const;
-  bool from_photos() const { return !cameras.method.empty(); }
+  bool from_photos() const { return cameras.method != PosesMethod::kAuto; }
   /// The scene that this run keeps for itself.
   std::filesystem::path own_scene() const { return run / "scene"; }
   /// The largest peak among the steps that are not left out, as far as it is known; 0: nothing is known.

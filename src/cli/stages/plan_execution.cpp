@@ -143,7 +143,7 @@ RunMetrics execute_plan(const RunPlan& plan, const RunRequest& request, const Pl
                         const ModelStore& store, const CommandContext& context) {
   TrainOptions train = request.train;
   ScenePreparation preparation(plan, request, options, store, context);
-  train.labels_unwanted = request.priors.semantics == "none";
+  train.labels_unwanted = request.priors.semantics.none();
   train.scene = preparation.prepare();
   train.camera_note = preparation.camera_note();
   return run_pipeline(plan, train, context, fusion_of_device(options.device));

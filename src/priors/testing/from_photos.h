@@ -12,6 +12,7 @@
 #include "nn/random_weights.h"
 #include "priors/scene_from_photos.h"
 #include "priors/scene_priors.h"
+#include "priors/teacher_list.h"
 
 namespace aligngs {
 
@@ -24,6 +25,7 @@ class FromPhotos : public testing::Test {
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder / "photos");
     store_options.folder = folder / "models";
+    options.model = "vggt-1b";
     options.precision = nn::Precision::kFloat32;
     options.progress.enabled = false;
     fill.precision = nn::Precision::kFloat32;
