@@ -1,5 +1,6 @@
 // `aligngs run PHOTOS_OR_SCENE -o RUN`: everything from photos, or from a scene folder, to the report.
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/device_option.h"
@@ -11,6 +12,8 @@
 #include "cli/stages/quality_gate.h"
 #include "cli/train_options.h"
 #include "pipeline/run_plan.h"
+#include "pipeline/step_forecast.h"
+#include "priors/network_time.h"
 
 namespace aligngs {
 
@@ -58,12 +61,25 @@ PlanExecutionOptions execution_options(const RunCommandOptions& options, const R
   return execution;
 }
 
+/// Time of networks where they run on the processor, at a rate that is measured now. Devices stay unknown.
+void add_network_time(const RunCommandOptions& options, const CommandContext& context, RunPlan& plan) {
+  const auto runs_network = [](const PlannedStep& step) { return step.network && step.outlook != Outlook::kLeftOut; };
+  if (std::none_of(plan.steps.begin(), plan.steps.end(), runs_network)) return;
+  if (chosen_device(options.train.device, false).cuda) return;
+  ThreadPool pool(context.global.threads);
+  nn::Compute compute(pool, {precision_of(options.photos.precision), true, true});
+  forecast_network_time(measure_network_rate(compute), plan);
+}
+
 void run_everything(const RunCommandOptions& options, const CommandContext& context) {
   const std::vector<LeastValue> least = least_values(options.fail_under);
   const RunRequest request = request_of(options, context);
   const ModelStore store = model_store(context);
-  const RunPlan plan = plan_run(request, store);
-  if (options.dry_run) return print_plan(plan, context.global.json);
+  RunPlan plan = plan_run(request, store);
+  if (options.dry_run) {
+    add_network_time(options, context, plan);
+    return print_plan(plan, context.global.json);
+  }
   const PlanExecutionOptions execution = execution_options(options, plan, context);
   // Served before all long steps. They decide the scene of a new run; its run.json names it once training begins.
   const auto page = serve_while_working(options.train.view, options.train.view_port, plan.run,

@@ -254,6 +254,14 @@ uint64_t RunPlan::memory_bytes() const {
   return most;
 }
 
+std::vector<std::string> RunPlan::steps_of_unknown_time() const {
+  std::vector<std::string> names;
+  for (const PlannedStep& step : steps) {
+    if (step.outlook != Outlook::kLeftOut && !step.seconds) names.emplace_back(step_name(step.step));
+  }
+  return names;
+}
+
 PlannedStep settled_step(const PlannedStep& expected, const Scene& scene, const RunRequest& request,
                          const RunPlan& plan, const ModelStore& store) {
   return decided(expected.step, decide(expected.step, scene, request, plan, store));

@@ -11,6 +11,8 @@
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "pipeline/step_forecast.h"
+#include "priors/model_sets.h"
 #include "refine/bundle_adjustment.h"
 #include "scene/testing/scene_folder.h"
 #include "train/run_folder.h"
@@ -238,6 +240,19 @@ TEST_F(RunPlanTest, TimeOfANewRunIsUnknown) {
   scene();
   EXPECT_FALSE(plan().step(RunStep::kTrain).seconds);
   EXPECT_GT(plan().step(RunStep::kTrain).memory_bytes.value_or(0), 0u);
+}
+
+TEST_F(RunPlanTest, TimeOfANetworkFollowsFromItsOperationsAndThePhotos) {
+  photos();
+  install("da3-small");
+  RunPlan made = plan();
+  ASSERT_GT(made.photos, 0u);
+  EXPECT_FALSE(made.step(RunStep::kPoses).seconds) << "no rate was measured";
+  forecast_network_time(0.5e12, made);
+  EXPECT_DOUBLE_EQ(made.step(RunStep::kPoses).seconds.value_or(0),
+                   tera_operations_per_photo("da3-small") / 0.5 * double(made.photos));
+  EXPECT_THAT(made.steps_of_unknown_time(), testing::Contains("train"));
+  EXPECT_THAT(made.steps_of_unknown_time(), testing::Not(testing::Contains("poses")));
 }
 
 TEST_F(RunPlanTest, WhatNoRunCanUseIsAnError) {
