@@ -46,8 +46,9 @@ RunRequest request_of(const RunCommandOptions& options, const CommandContext& co
 PlanExecutionOptions execution_options(const RunCommandOptions& options, const RunPlan& plan,
                                        const CommandContext& context) {
   PlanExecutionOptions execution;
-  execution.device = options.train.device;
-  execution.precision = options.photos.precision;
+  execution.precision = precision_of(options.photos.precision);
+  put_networks_on(options.train.device, options.photos.precision, false, execution);
+  execution.make_fusion_device = fusion_of_device(options.train.device);
   execution.photos = options.photos.poses;
   if (!plan.from_photos()) return execution;
   PhotoCommandOptions photos = options.photos;
