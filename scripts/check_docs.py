@@ -68,7 +68,7 @@ def command_line():
     names = set(re.findall(r'add_subcommand\(\s*"([\w-]+)"', " ".join(sources.values())))
     options = set()
     for text in sources.values():
-        for spelled in re.findall(r'(?:add_option|add_flag|add_flag_function|set_version_flag)\(\s*"([^"]+)"', text):
+        for spelled in re.findall(r'(?:add_option|add_flag|add_flag_function|add_choice_option|set_version_flag)\((?:\s*\*?command,)?\s*"([^"]+)"', text):
             options.update(part.strip() for part in spelled.split(",") if part.startswith("-"))
     return names, options | {"--help", "-h", "--version"}
 

@@ -145,7 +145,7 @@ std::vector<Reader> readers() {
        [] {
          return written([](const fs::path& f) {
            RoomRecord record;
-           record.state = "done";
+           record.state = AttemptState::kDone;
            record.command = "aligngs run";
            write_room_record(f, record);
          });

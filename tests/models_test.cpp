@@ -182,8 +182,10 @@ TEST_F(ModelsProgram, AnOpenQuestionAboutWeightsIsShownBeforeTheDownload) {
 
 TEST_F(ModelsProgram, DoctorListsTheOrderOfNetworksWithReasons) {
   const ProcessResult result = run("doctor");
-  EXPECT_THAT(result.out, AllOf(HasSubstr("1. vggt-1b-commercial"), HasSubstr("2. da3-base: free to use"),
-                                HasSubstr("non-commercial use only"), HasSubstr("by accuracy on ADE20K: m2f, eomt-l")));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("1. vggt-1b-commercial"), HasSubstr("2. da3-base: free to use"),
+                    HasSubstr("non-commercial use only"), HasSubstr("11. linear-s: metres, one photo at a time"),
+                    HasSubstr("by accuracy on ADE20K: m2f, eomt-l")));
 }
 
 TEST_F(ModelsProgram, AFileOfEitherLayoutOfEomtIsTakenIn) {

@@ -7,8 +7,7 @@
 
 #include "io/atomic_file.h"
 #include "io/json_text.h"
-#include "nn/random_weights.h"
-#include "priors/model_store.h"
+#include "priors/testing/tiny_networks.h"
 #include "scene/scene.h"
 #include "support/no_weights.h"
 #include "support/process.h"
@@ -50,21 +49,6 @@ class PlanCommand : public testing::Test {
       found[entry.path().string()] = entry.is_regular_file() ? read_file(entry.path()) : "";
     return found;
   }
-  static void install(const char* name, const nn::TensorList& tensors) {
-    const ModelStore store(ModelStoreOptions::from_environment(true));
-    const PublishedModel& model = published_model(name);
-    const fs::path file = store.own_path(model, model.files[0]);
-    fs::create_directories(file.parent_path());
-    nn::write_random_weights(file, tensors, 1);
-  }
-  /// Networks for depth and classes of the published structure and a tiny size.
-  static void install_tiny_networks() {
-    const nn::VitSize size{64, 4, false, 0, 5};
-    install("dinov2-s", nn::dinov2_tensors(size));
-    install("ade20k-linear-s", nn::bn_head_tensors(size.channels));
-    install("nyu-linear4-s", nn::linear_depth_tensors(4 * 2 * size.channels));
-  }
-
   fs::path root_;
   std::optional<testing_support::NoWeights> no_weights_;
 };
@@ -126,7 +110,7 @@ TEST_F(PlanCommand, PriorsOfARunLieInTheScenesOfTheRun) {
   fs::remove(scene() / "priors.json");
   fs::remove(scene() / "labels.csv");
   fs::remove_all(scene() / "truth");
-  install_tiny_networks();
+  tiny_networks::install_linear(ModelStore(ModelStoreOptions::from_environment(true)));
   const auto before = files(scene());
   const ProcessResult result = run("-n 2 -q --depth linear-s --no-refine");
   ASSERT_EQ(result.status, 0) << result.err;

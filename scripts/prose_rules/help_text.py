@@ -4,7 +4,7 @@ import re
 from prose_rules.markdown import plain
 from prose_rules.sentence import Measured, check_sentence, sentences_of
 
-HELP_CALL = re.compile(r"(?:add_option|add_flag|add_flag_function|add_option_function|add_subcommand|help_footer|description)\s*\(|"
+HELP_CALL = re.compile(r"(?:add_option|add_flag|add_flag_function|add_option_function|add_choice_option|add_subcommand|help_footer|description)\s*\(|"
                        r"std::string what =|CLI::App program\(")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 

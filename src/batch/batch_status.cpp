@@ -57,8 +57,8 @@ bool forget_failure(const BatchFolder& folder, const std::string& room, bool fro
     if (error) throw_resources(folder.record(room), "cannot be removed: " + error.message());
     return true;
   }
-  if (!record || record->state != "failed") return false;
-  record->state = "stopped";
+  if (!record || record->state != AttemptState::kFailed) return false;
+  record->state = AttemptState::kStopped;
   write_room_record(folder.record(room), *record);
   return true;
 }

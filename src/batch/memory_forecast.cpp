@@ -56,14 +56,18 @@ RunRequest request_of(const BatchFolder& folder, const Batch& batch, const RoomE
     request.train.config.preset = value_or(room, "--preset", "");
     request.train.config.config_file = path_or_none(batch, room, "--config");
   }
-  request.cameras.method = value_or(room, "--method", "auto");
   request.cameras.model = value_or(room, "--poses-model", "");
   request.cameras.cameras = path_or_none(batch, room, "--cameras").string();
-  request.priors.depth = value_or(room, "--depth", "auto");
-  request.priors.semantics = value_or(room, "--semantics", "auto");
   request.photos.max_side = static_cast<int>(
       number_or(option_value(room.options, "--max-size"), static_cast<uint64_t>(request.photos.max_side)));
   return request;
+}
+
+/// Its choices by name. Error{kUsage} for a word that is none.
+void add_choices(const RoomEntry& room, RunRequest& request) {
+  request.cameras.method = poses_method(value_or(room, "--method", "auto"));
+  request.priors.depth = depth_choice(value_or(room, "--depth", "auto"));
+  request.priors.semantics = semantic_choice(value_or(room, "--semantics", "auto"));
 }
 
 RunPlan plan_of(const RunRequest& request, const RoomEntry& room, const ModelStore& store) {
@@ -73,7 +77,7 @@ RunPlan plan_of(const RunRequest& request, const RoomEntry& room, const ModelSto
 
 /// Networks that nobody knows here.
 bool has_unknown_network(const RunPlan& plan, const RunRequest& request) {
-  if (plan.from_photos() && request.priors.semantics == "auto" && !plan.has(RunStep::kClasses)) return true;
+  if (plan.from_photos() && request.priors.semantics.automatic() && !plan.has(RunStep::kClasses)) return true;
   return std::any_of(plan.steps.begin(), plan.steps.end(), [](const PlannedStep& step) {
     return step.network && step.outlook != Outlook::kLeftOut && !step.memory_bytes;
   });
@@ -85,11 +89,12 @@ uint64_t predicted_room_bytes(const BatchFolder& folder, const Batch& batch, con
   if (const double gigabytes = std::strtod(option_value(room.options, "--memory").c_str(), nullptr); gigabytes > 0) {
     return static_cast<uint64_t>(gigabytes * 1e9);
   }
-  const RunRequest request = request_of(folder, batch, room);
+  RunRequest request = request_of(folder, batch, room);
   const ModelStore store(ModelStoreOptions::from_environment(true));
   uint64_t bytes = 0;
   bool unknown_network = false;
   try {
+    add_choices(room, request);
     const RunPlan plan = plan_of(request, room, store);
     bytes = plan.memory_bytes();
     unknown_network = has_unknown_network(plan, request);

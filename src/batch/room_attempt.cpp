@@ -29,7 +29,7 @@ bool was_asked_to_stop(int status) {
 RoomRecord begun(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& before,
                  const InputDigest& inputs, const std::vector<std::string>& words) {
   RoomRecord record;
-  record.state = "running";
+  record.state = AttemptState::kRunning;
   record.inputs = inputs;
   record.command = join_words(words);
   record.host = host_name();
@@ -102,11 +102,11 @@ RoomRecord RoomAttempt::settle(bool interrupted) {
   record_.ended = utc_now();
   record_.exit_status = status;
   if (status == 0 && run_is_done(folder_.run(room_.name))) {
-    record_.state = "done";
+    record_.state = AttemptState::kDone;
   } else if (status == kStopped || was_asked_to_stop(status) || (interrupted && killed())) {
-    record_.state = "stopped";
+    record_.state = AttemptState::kStopped;
   } else {
-    record_.state = "failed";
+    record_.state = AttemptState::kFailed;
     take_error(folder_.output(room_.name), record_);
     if (record_.message.empty()) {
       record_.message = status > 128 ? fmt::format("signal {} ended it", status - 128)

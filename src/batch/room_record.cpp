@@ -27,11 +27,13 @@ std::string text_of(const Json& json, const char* name) {
 }  // namespace
 
 void write_room_record(const fs::path& path, const RoomRecord& r) {
-  const Json json = {
-      {"schema", kRecordSchema}, {"state", r.state}, {"digest", r.inputs.content}, {"quick_digest", r.inputs.quick},
-      {"command", r.command},    {"host", r.host},   {"attempts", r.attempts},     {"exit_status", r.exit_status},
-      {"message", r.message},    {"path", r.path},   {"field", r.field},           {"remedy", r.remedy},
-      {"started", r.started},    {"ended", r.ended}};
+  const Json json = {{"schema", kRecordSchema},    {"state", word_of(r.state)},
+                     {"digest", r.inputs.content}, {"quick_digest", r.inputs.quick},
+                     {"command", r.command},       {"host", r.host},
+                     {"attempts", r.attempts},     {"exit_status", r.exit_status},
+                     {"message", r.message},       {"path", r.path},
+                     {"field", r.field},           {"remedy", r.remedy},
+                     {"started", r.started},       {"ended", r.ended}};
   write_file_atomically(path, json_document(json));
 }
 
@@ -41,7 +43,7 @@ std::optional<RoomRecord> read_room_record(const fs::path& path) {
   const Json json = parse_ordered_json(read_file(path, kLargestRecord));
   if (!json.is_object()) return std::nullopt;
   RoomRecord r;
-  r.state = text_of(json, "state");
+  r.state = choice_named<AttemptState>(text_of(json, "state")).value_or(AttemptState::kRunning);
   r.inputs = {text_of(json, "digest"), text_of(json, "quick_digest")};
   r.command = text_of(json, "command");
   r.host = text_of(json, "host");
@@ -85,9 +87,9 @@ RoomState settled_state(const BatchFolder& folder, const RoomEntry& room, const 
                         const InputDigest& inputs) {
   if (!record) return RoomState::kWaiting;
   if (record->inputs.content != inputs.content) return RoomState::kChanged;
-  if (record->state == "failed") return RoomState::kFailed;
-  // A worker that died before it wrote the record leaves "running". A run with a check is then measured again.
-  const bool settled = record->state == "done" || !has_option(room.options, "--fail-under");
+  if (record->state == AttemptState::kFailed) return RoomState::kFailed;
+  // A worker that died before it wrote the record leaves kRunning. A run with a check is then measured again.
+  const bool settled = record->state == AttemptState::kDone || !has_option(room.options, "--fail-under");
   if (settled && run_is_done(folder.run(room.name))) return RoomState::kDone;
   return RunFolder(folder.run(room.name)).has_run() ? RoomState::kStopped : RoomState::kWaiting;
 }

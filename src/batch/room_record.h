@@ -7,11 +7,26 @@
 
 #include "batch/batch_folder.h"
 #include "batch/input_digest.h"
+#include "core/choice_words.h"
 
 namespace aligngs {
 
+/// The end of an attempt, as its record states it.
+enum class AttemptState {
+  kRunning,  ///< also of a worker that died
+  kDone,
+  kStopped,
+  kFailed
+};
+template <>
+inline constexpr std::array<ChoiceWord<AttemptState>, 4> kChoiceWords<AttemptState> = {
+    {{AttemptState::kRunning, "running"},
+     {AttemptState::kDone, "done"},
+     {AttemptState::kStopped, "stopped"},
+     {AttemptState::kFailed, "failed"}}};
+
 struct RoomRecord {
-  std::string state;                         ///< "running" (also of a worker that died), "done", "stopped" or "failed"
+  AttemptState state = AttemptState::kRunning;
   InputDigest inputs;                        ///< of the attempt
   std::string command;                       ///< that was started
   std::string host;                          ///< where

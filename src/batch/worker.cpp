@@ -155,11 +155,11 @@ class Worker {
   }
 
   void report(const RoomEntry& room, const RoomRecord& record) {
-    if (record.state == "done") {
+    if (record.state == AttemptState::kDone) {
       const double seconds = std::chrono::duration<double>(Clock::now() - begun_[room.name]).count();
       summary_.done.push_back(room.name);
       log_info("{}: done in {}", room.name, format_duration(seconds));
-    } else if (record.state == "stopped") {
+    } else if (record.state == AttemptState::kStopped) {
       summary_.stopped.push_back(room.name);
       log_info("{}: stopped, goes on when the command is run again", room.name);
     } else {

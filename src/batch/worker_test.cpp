@@ -80,7 +80,7 @@ TEST_F(WorkerTest, RoomsRunTogetherOnlyWhereTheirMemoryFits) {
 TEST_F(WorkerTest, ARoomThatWasAskedToStopBeforeItListenedDidNotFail) {
   add("early");
   EXPECT_THAT(work().stopped, ElementsAre("early"));
-  EXPECT_EQ(read_room_record(folder().record("early"))->state, "stopped");
+  EXPECT_EQ(read_room_record(folder().record("early"))->state, AttemptState::kStopped);
 }
 
 TEST_F(WorkerTest, AFinishedRoomWithOtherInputsBeginsAnew) {
@@ -148,7 +148,7 @@ TEST_F(WorkerTest, ARoomThatDiedAfterItWasDoneCountsAsDone) {
   add("good");
   work();
   RoomRecord record = *read_room_record(folder().record("good"));
-  record.state = "running";
+  record.state = AttemptState::kRunning;
   write_room_record(folder().record("good"), record);
   EXPECT_THAT(work().done, ElementsAre("good"));
   EXPECT_EQ(starts().size(), 1u);

@@ -94,7 +94,7 @@ void retry(const RetryOptions& options, const CommandContext& context) {
   std::vector<RoomEntry> forgotten;
   for (const RoomEntry& room : named ? again : batch.rooms) {
     const auto record = read_room_record(folder.record(room.name));
-    if (!options.from_start && (!record || record->state != "failed")) {
+    if (!options.from_start && (!record || record->state != AttemptState::kFailed)) {
       if (named) log_info("{}: did not fail", room.name);
       continue;
     }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/device_option.h"
 #include "cli/help_text.h"
 #include "cli/page_server.h"
 #include "cli/photo_options.h"
@@ -44,7 +45,7 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   if (dry_run) return print_plan(plan, context.global.json);
   const fs::path scene = plan.own_scene();
   PlanExecutionOptions execution;
-  execution.device = options.device;
+  execution.make_fusion_device = fusion_of_device(options.device);
   execution.synth = [&] {
     log_info("making a synthetic {} with simulated priors", room.room);
     const bool overwrite = fs::exists(scene);

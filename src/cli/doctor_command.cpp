@@ -1,5 +1,6 @@
 // `aligngs doctor`: what this machine has, what aligngs will use of it, and what is missing.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 #include <CLI/App.hpp>
 
@@ -15,6 +16,7 @@
 #include "core/version.h"
 #include "device/cuda_device.h"
 #include "nn/cpu/matrix_backend.h"
+#include "priors/depth_teacher.h"
 #include "priors/teacher_list.h"
 
 namespace aligngs {
@@ -134,27 +136,52 @@ std::vector<Check> check_weights(const ModelStore& store) {
   return found;
 }
 
-/// The order in which `run` and `poses` look for networks, and the one that they take now.
-std::vector<Check> check_choices(const ModelStore& store) {
-  const CameraTeacher* const best = installed_camera_teacher(store);
-  std::vector<Check> found = {
-      {"cameras", true,
-       best ? "auto takes " + best->model + ": " + best->reason : "no network is installed for --method auto",
-       best ? "" : "aligngs models download recommended, or light"}};
-  int place = 0;
-  for (const CameraTeacher& network : camera_teachers()) {
-    const bool here = store.installed(published_model(network.model));
-    found.push_back({"cameras", true,
-                     fmt::format("  {}. {}: {}{}", ++place, network.model, network.reason, here ? "; installed" : ""),
-                     ""});
+/// A row of doctor's lists: place in the order, name, why it is there, and whether it is installed.
+Check place_of(const char* list, size_t place, const std::string& name, const std::string& reason,
+               const ModelStore& store, const char* model) {
+  const bool here = store.installed(published_model(model));
+  return {list, true, fmt::format("  {}. {}: {}{}", place, name, reason, here ? "; installed" : ""), ""};
+}
+
+Check no_network(const char* list, const char* option) {
+  return {list, true, fmt::format("no network is installed for {} auto", option),
+          "aligngs models download recommended, or light"};
+}
+
+void add_camera_choices(const ModelStore& store, std::vector<Check>& found) {
+  const Teacher* const best = installed_camera_teacher(store);
+  found.push_back(best ? Check{"cameras", true, fmt::format("auto takes {}: {}", best->model, best->cameras.reason), ""}
+                       : no_network("cameras", "--method"));
+  size_t place = 0;
+  for (const Teacher* network : camera_teachers())
+    found.push_back(place_of("cameras", ++place, network->model, network->cameras.reason, store, network->model));
+}
+
+void add_depth_choices(const ModelStore& store, std::vector<Check>& found) {
+  const PublishedModel* const best = installed_depth_model(store);
+  found.push_back(best ? Check{"depth", true,
+                               fmt::format("auto takes {}: {}", best->name, find_teacher(best->name)->depth->gives), ""}
+                       : no_network("depth", "--depth"));
+  size_t place = 0;
+  for (const std::string& word : depth_choices()) {
+    const Teacher& network = depth_teacher(word);
+    found.push_back(place_of("depth", ++place, word, network.depth->gives, store, network.model));
   }
-  const PublishedModel* const classes = installed_semantic_model(store);
-  std::string order;
-  for (const std::string& word : semantic_choices()) order += (order.empty() ? "" : ", ") + word;
-  found.push_back({"classes", true,
-                   classes ? "auto takes " + classes->name : "no network is installed for --semantics auto",
-                   classes ? "" : "aligngs models download recommended, or light"});
-  found.push_back({"classes", true, "  by accuracy on ADE20K: " + order, ""});
+}
+
+void add_class_choices(const ModelStore& store, std::vector<Check>& found) {
+  const PublishedModel* const best = installed_semantic_model(store);
+  found.push_back(best ? Check{"classes", true, "auto takes " + best->name, ""} : no_network("classes", "--semantics"));
+  found.push_back(
+      {"classes", true, fmt::format("  by accuracy on ADE20K: {}", fmt::join(semantic_choices(), ", ")), ""});
+}
+
+/// The order in which `run`, `poses` and `priors` look for networks, and those that they take now.
+std::vector<Check> check_choices(const ModelStore& store) {
+  std::vector<Check> found;
+  add_camera_choices(store, found);
+  add_depth_choices(store, found);
+  add_class_choices(store, found);
   return found;
 }
 

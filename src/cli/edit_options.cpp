@@ -78,8 +78,7 @@ EditOperation operation_of(const EditOptions& options) {
   edit.fill = options.fill || edit.kind == EditKind::kMove || replaces;
   edit.with = options.replace;
   edit.fit = options.fit;
-  parse_axis(options.up);  // refuses other words
-  edit.up_axis = options.up;
+  edit.up_axis = parse_axis(options.up);
   if (!options.move.empty()) edit.motion.shift = parse_shift(options.move);
   if (!options.turn.empty()) edit.motion.turn = parse_turn(options.turn);
   edit.with_contents = options.with_contents;

@@ -29,15 +29,99 @@ void tell_html_size(const HtmlSize& size) {
   log_info("about {:.1f} MB: {}, the page itself {:.1f}", megabytes(size.total()), parts, megabytes(size.page));
 }
 
+/// Names of the formats that `wanted` is true for.
+template <class Wanted>
+std::string formats_where(Wanted wanted) {
+  std::vector<std::string> names;
+  for (const RunExportFormat& format : run_export_rows()) {
+    if (wanted(format)) names.emplace_back(format.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+bool has_one_part(const RunExportFormat& format) { return format.room && format.room->one_part; }
+bool has_chosen_texture(const RunExportFormat& format) {
+  return format.room && format.room->texture == ExportTexture::kAsked;
+}
+
+struct ExportCommandOptions {
+  std::string run, scene, format, output, only;
+  bool keep_frame = false, original_coordinates = false, mesh_only = false, splats_only = false;
+  bool no_before = false;
+  RunExportOptions what;
+};
+
+/// Error{kUsage} for options that are of other formats.
+void require_options_of(const RunExportFormat& format, const ExportCommandOptions& options) {
+  const RunExportOptions& what = options.what;
+  const bool page = format.kind == ExportKind::kPage;
+  if (page && what.parts == RoomParts::kMesh)
+    throw_usage("the page always has splats", "leave the option out, or use --splats-only");
+  if (options.no_before && !page) throw_usage("--no-before is for -f html", "other files hold the edited room alone");
+  if (what.parts != RoomParts::kAll && !has_one_part(format) && !page) {
+    throw_usage(fmt::format("one part alone is for -f {} and html", formats_where(has_one_part)),
+                "leave the option out: " + options.format + " holds one kind of thing");
+  }
+  const bool shaped = what.triangles > 0 || what.error > 0 || what.closed || what.textured;
+  if (shaped && (!format.mesh() || what.parts == RoomParts::kSplats)) {
+    throw_usage("--triangles, --error, --closed and --textured are for a mesh, and this file has none",
+                "formats with a mesh: " + formats_where([](const auto& row) { return row.mesh(); }));
+  }
+  if (what.textured && page) throw_usage("the mesh of the page has colours of its vertices", "leave --textured out");
+  if (what.textured && format.room->texture == ExportTexture::kNone)
+    throw_usage(fmt::format("the mesh of {} has no colours", format.name), "leave --textured out");
+  if (!what.object.empty() && format.plan) throw_usage("a plan is of the whole room", "leave --object out");
+  if (options.original_coordinates && !format.room) {
+    throw_usage("--original-coordinates is for files of splats and meshes",
+                "leave it out: a page has the run's coordinates, and a plan those of the room");
+  }
+  if (options.keep_frame && format.plan)
+    throw_usage("a plan has the coordinates of the room", "leave --keep-frame out");
+}
+
+void print_export(const CommandContext& context, const RunExport& made, const RunExportOptions& what) {
+  const ExportReport& report = made.report;
+  const std::filesystem::path& file = made.file;
+  uint64_t bytes = 0;
+  for (const std::filesystem::path& f : report.files) bytes += std::filesystem::file_size(f);
+  if (context.global.json) {
+    nlohmann::json document = {{"file", file.string()},
+                               {"bytes", bytes},
+                               {"gaussians", report.gaussians},
+                               {"objects", report.objects},
+                               {"edits", made.edits},
+                               {"aligned", made.aligned},
+                               {"before", made.before},
+                               {"triangles", report.triangles},
+                               {"triangles_before", report.triangles_before}};
+    document["files"] = nlohmann::json::array();
+    for (const std::filesystem::path& f : report.files) document["files"].push_back(f.string());
+    if (what.closed) document["open_edges"] = report.open_edges;
+    print_json(document);
+    return;
+  }
+  std::string text = fmt::format("{}: {:.2f} MB", file.string(), static_cast<double>(bytes) / 1e6);
+  if (report.gaussians > 0) text += fmt::format(", {} Gaussians", report.gaussians);
+  if (report.triangles > 0) text += fmt::format(", {} triangles", report.triangles);
+  if (report.triangles < report.triangles_before) text += fmt::format(" of {}", report.triangles_before);
+  if (report.objects > 0) text += fmt::format(", {} objects", report.objects);
+  if (made.edits > 0) text += ", with the edits of the run";
+  if (made.before) text += " and the room before them";
+  if (what.closed) text += report.open_edges == 0 ? ", closed" : fmt::format(", open at {} edges", report.open_edges);
+  std::printf("%s\n", text.c_str());
+  if (what.triangles > 0 && report.triangles > what.triangles) {
+    std::fprintf(stderr,
+                 "%zu triangles were asked for: borders between objects and edges of three triangles keep more\n",
+                 what.triangles);
+  }
+}
+
 }  // namespace
 
 void add_export_command(CLI::App& program, CommandContext& context) {
   std::string notes;  // a line for each format
-  for (const ExportFormat& format : export_format_rows()) notes += fmt::format("{}: {}\n", format.name, format.help);
-  notes +=
-      "html: one page that opens without a server\n"
-      "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json\n"
-      "Photos are the texture of --textured.";
+  for (const RunExportFormat& format : run_export_rows()) notes += fmt::format("{}: {}\n", format.name, format.help);
+  notes += "Photos are the texture of --textured.";
   CLI::App* command = program.add_subcommand("export", "Write the room with its edits for other programs");
   command->group("Use");
   command->footer(
@@ -46,13 +130,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                    .example = "aligngs export demo_run -f glb",
                    .advanced = "aligngs export demo_run -f glb --mesh-only --textured --triangles 50000 -o room.glb",
                    .notes = notes.c_str()}));
-  struct Options {
-    std::string run, scene, format, output, only;
-    bool keep_frame = false, original_coordinates = false, mesh_only = false, splats_only = false;
-    bool no_before = false;
-    RunExportOptions what;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportCommandOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
   command->add_option("-f,--format", options->format, fmt::format("format: {}", fmt::join(run_export_formats(), ", ")))
@@ -61,7 +139,8 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                       "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
   CLI::Option* only =
       command
-          ->add_option("--only", options->only, "glb, usda: mesh or splats alone (default: both); html: splats alone")
+          ->add_option("--only", options->only,
+                       formats_where(has_one_part) + ": mesh or splats alone (default: both); html: splats alone")
           ->check(CLI::IsMember({"mesh", "splats"}));
   CLI::Option* mesh_only =
       command->add_flag("--mesh-only", options->mesh_only, "the same as --only mesh")->excludes(only);
@@ -78,7 +157,8 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       ->check(CLI::Range(0.01, 10000.0));
   command->add_flag("--closed", options->what.closed, "close the holes of the mesh, also where no photo has looked");
   command->add_flag("--textured", options->what.textured,
-                    "glb, obj, usda: a texture from the photos; at most 100000 triangles without another limit");
+                    formats_where(has_chosen_texture) +
+                        ": a texture from the photos; at most 100000 triangles without another limit");
   command
       ->add_option("--texture-size", options->what.texture_size, "pixels, side of the texture at most (default: 4096)")
       ->check(CLI::Range(256, 16384));
@@ -94,35 +174,12 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->callback([&context, options] {
     // Before the run is opened, which takes seconds.
     options->format = lower_case(options->format);
-    require_export_format(options->format, run_export_formats());
-    const bool html = options->format == "html", both = options->format == "glb" || options->format == "usda";
+    const RunExportFormat& format = run_export_row(options->format);
     RunExportOptions& what = options->what;
     if (options->only == "mesh" || options->mesh_only) what.parts = RoomParts::kMesh;
     if (options->only == "splats" || options->splats_only) what.parts = RoomParts::kSplats;
-    if (html && what.parts == RoomParts::kMesh)
-      throw_usage("the page always has splats", "leave the option out, or use --splats-only");
-    if (options->no_before && !html)
-      throw_usage("--no-before is for -f html", "other files hold the edited room alone");
     what.before = !options->no_before;
-    if (what.parts != RoomParts::kAll && !both && !html)
-      throw_usage("one part alone is for -f glb, usda and html",
-                  "leave the option out: " + options->format + " holds one kind of thing");
-    const bool plan = options->format.starts_with("plan.");
-    const bool shaped = what.triangles > 0 || what.error > 0 || what.closed || what.textured;
-    if (shaped && ((!holds_mesh(options->format) && !html) || what.parts == RoomParts::kSplats)) {
-      std::vector<std::string> meshes = export_formats();
-      std::erase_if(meshes, [](const std::string& format) { return !holds_mesh(format); });
-      throw_usage("--triangles, --error, --closed and --textured are for a mesh, and this file has none",
-                  fmt::format("formats with a mesh: {}, html", fmt::join(meshes, ", ")));
-    }
-    if (what.textured && html) throw_usage("the mesh of the page has colours of its vertices", "leave --textured out");
-    if (what.textured && options->format == "collision.glb")
-      throw_usage("a collision mesh has no colours", "leave --textured out");
-    if (!what.object.empty() && plan) throw_usage("a plan is of the whole room", "leave --object out");
-    if (options->original_coordinates && (html || plan))
-      throw_usage("--original-coordinates is for files of splats and meshes",
-                  "leave it out: a page has the run's coordinates, and a plan those of the room");
-    if (options->keep_frame && plan) throw_usage("a plan has the coordinates of the room", "leave --keep-frame out");
+    require_options_of(format, *options);
     if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);
@@ -131,42 +188,9 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                        : options->keep_frame         ? ExportCoordinates::kScene
                                                      : ExportCoordinates::kRoom;
     EditSession session(options->run, {options->scene, context.global.threads});
-    if (html) tell_html_size(estimate_html_export(session, what));
+    if (format.kind == ExportKind::kPage) tell_html_size(estimate_html_export(session, what));
     const RunExport made = export_run(session, options->format, what);
-    const ExportReport& report = made.report;
-    const std::filesystem::path& file = made.file;
-    uint64_t bytes = 0;
-    for (const std::filesystem::path& f : report.files) bytes += std::filesystem::file_size(f);
-    if (context.global.json) {
-      nlohmann::json document = {{"file", file.string()},
-                                 {"bytes", bytes},
-                                 {"gaussians", report.gaussians},
-                                 {"objects", report.objects},
-                                 {"edits", made.edits},
-                                 {"aligned", made.aligned},
-                                 {"before", made.before},
-                                 {"triangles", report.triangles},
-                                 {"triangles_before", report.triangles_before}};
-      document["files"] = nlohmann::json::array();
-      for (const std::filesystem::path& f : report.files) document["files"].push_back(f.string());
-      if (what.closed) document["open_edges"] = report.open_edges;
-      print_json(document);
-      return;
-    }
-    std::string text = fmt::format("{}: {:.2f} MB", file.string(), static_cast<double>(bytes) / 1e6);
-    if (report.gaussians > 0) text += fmt::format(", {} Gaussians", report.gaussians);
-    if (report.triangles > 0) text += fmt::format(", {} triangles", report.triangles);
-    if (report.triangles < report.triangles_before) text += fmt::format(" of {}", report.triangles_before);
-    if (report.objects > 0) text += fmt::format(", {} objects", report.objects);
-    if (made.edits > 0) text += ", with the edits of the run";
-    if (made.before) text += " and the room before them";
-    if (what.closed) text += report.open_edges == 0 ? ", closed" : fmt::format(", open at {} edges", report.open_edges);
-    std::printf("%s\n", text.c_str());
-    if (what.triangles > 0 && report.triangles > what.triangles) {
-      std::fprintf(stderr,
-                   "%zu triangles were asked for: borders between objects and edges of three triangles keep more\n",
-                   what.triangles);
-    }
+    print_export(context, made, what);
   });
 }
 

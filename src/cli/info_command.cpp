@@ -23,6 +23,7 @@
 #include "io/safetensors.h"
 #include "io/torch_archive.h"
 #include "io/weight_file.h"
+#include "metrics/metrics_json.h"
 #include "priors/model_registry.h"
 #include "scene/scene.h"
 #include "scene/scene_json.h"
@@ -142,10 +143,8 @@ Json info_of_run(const fs::path& folder) {
   if (info["run"].is_discarded())
     throw_bad_input(folder / "run.json", "", "this is no valid JSON", "the run folder is damaged");
   if (fs::exists(folder / "metrics.json")) {
-    const Json metrics = parse_json(read_file(folder / "metrics.json"));
-    for (const char* part : {"nvs", "geometry", "semantics", "train"}) {
-      if (metrics.is_object() && metrics.contains(part)) info["metrics"][part] = metrics[part];
-    }
+    const Json metrics = metrics_json(read_metrics(folder / "metrics.json"));
+    for (const char* part : {"nvs", "geometry", "semantics", "train"}) info["metrics"][part] = metrics[part];
   }
   if (fs::exists(folder / "scene.ply")) info["scene"] = info_of_ply(folder / "scene.ply");
   if (fs::exists(folder / "mesh" / "mesh.ply")) info["mesh"] = info_of_ply(folder / "mesh" / "mesh.ply");

@@ -14,9 +14,9 @@
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
-#include "nn/matrix_rate.h"
 #include "priors/model_download.h"
 #include "priors/model_sets.h"
+#include "priors/network_time.h"
 
 namespace aligngs {
 namespace {
@@ -129,19 +129,16 @@ void require_acceptance(const PublishedModel& model, bool accepted) {
               "read " + model.licence.url + ", then add --accept-licence");
 }
 
-/// Share of the rate of large products that whole networks reach; measured in benchmarks/README.md.
-constexpr double kShareOfRate = 0.6;
-
 /// Sizes, licences and expected times of what is to be fetched, before anything is.
 void print_plan(const ModelStore& store, const std::vector<const PublishedModel*>& wanted, int threads) {
   ThreadPool pool(threads);
   nn::Compute compute(pool, {nn::fastest_precision(), true, true});
-  const double rate = nn::measure_matrix_rate(compute) * kShareOfRate;
+  const double rate = measure_network_rate(compute);
   uint64_t missing = 0;
   std::fprintf(stderr, "%-19s %9s  %-24s %s\n", "model", "size", "a photo on this machine", "licence");
   for (const PublishedModel* model : wanted) {
-    const double operations = 1e12 * tera_operations_per_photo(model->name);
-    const std::string time = operations > 0 ? fmt::format("about {:.2g} s", operations / rate) : "-";
+    const std::optional<double> seconds = network_seconds(model->name, 1, rate);
+    const std::string time = seconds ? fmt::format("about {:.2g} s", *seconds) : "-";
     const bool here = store.installed(*model);
     if (!here) missing += download_bytes(*model);
     std::fprintf(stderr, "%-19s %9s  %-24s %s%s\n", model->name.c_str(), format_bytes(download_bytes(*model)).c_str(),

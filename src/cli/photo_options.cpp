@@ -5,31 +5,26 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "cli/choice_option.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "priors/teacher_list.h"
 
 namespace aligngs {
+
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options) {
   ScenePhotosOptions& poses = options->poses;
   const char* const group = "Cameras of photos";
-  std::vector<std::string> methods = {"auto"}, weights;
+  std::vector<std::string> weights;
   std::string defaults;  // of the methods, in their order
-  for (const std::string& method : camera_network_methods()) {
-    methods.push_back(method);
-    defaults += (defaults.empty() ? "" : ", ") + default_camera_teacher(method).model;
-  }
-  methods.insert(methods.end(), {"colmap", "given"});
-  for (const CameraTeacher& teacher : camera_teachers()) weights.push_back(teacher.model);
-  const std::string networks = fmt::format("{}", fmt::join(camera_network_methods(), ", "));
-  command
-      .add_option(
-          "--method", options->method,
-          fmt::format("auto (the best network that is installed, as doctor lists them), {} (networks), colmap (a "
-                      "program, needs overlap) or given (your own cameras)",
-                      fmt::join(camera_network_methods(), " or ")))
-      ->check(CLI::IsMember(methods))
-      ->capture_default_str()
+  for (const PosesMethod method : camera_network_methods())
+    defaults += std::string(defaults.empty() ? "" : ", ") + default_camera_teacher(method).model;
+  for (const Teacher* teacher : camera_teachers()) weights.emplace_back(teacher->model);
+  const std::string networks = camera_method_words(", ");
+  add_choice_option(command, "--method", options->method,
+                    fmt::format("auto (the best network that is installed, as doctor lists them), {} (networks), "
+                                "colmap (a program, needs overlap) or given (your own cameras)",
+                                camera_method_words(" or ")))
       ->group(group);
   command.add_option("--max-size", poses.max_side, "longer side of the photos in pixels; larger photos are shrunk")
       ->check(CLI::Range(64, 65535))
@@ -59,11 +54,8 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
       .add_flag("--camera-from-rays", options->camera_from_rays,
                 "da3: cameras from the predicted rays, with a principal point of their own")
       ->group(group);
-  command
-      .add_option("--metres", options->metric_model,
-                  "da3: network that tells metres: da3metric-large, none, or auto (if installed)")
-      ->check(CLI::IsMember({"auto", "none", "da3metric-large"}))
-      ->capture_default_str()
+  add_choice_option(command, "--metres", options->metres,
+                    fmt::format("da3: network that tells metres: {}, none, or auto (if installed)", kMetricModel))
       ->group(group);
   command.add_option("--max-points", poses.max_points, networks + ": largest number of points")
       ->check(CLI::Range(1000, 10000000))
@@ -113,11 +105,10 @@ void choose_method(PhotoCommandOptions& options, const ModelStore& store) {
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context) {
   ScenePhotosOptions poses = options.poses;
   poses.camera_from_rays = options.camera_from_rays;
-  if (options.metric_model == "none") poses.metric_model.clear();
-  poses.metric_model_needed = options.metric_model == "da3metric-large";
-  poses.method = poses_method(options.method);
+  poses.metres = options.metres;
+  poses.method = options.method;
   poses.cameras = options.cameras;
-  if (uses_network(poses.method)) poses.model = options.model;
+  poses.model = options.model;
   poses.shared_camera = !options.per_photo_camera;
   poses.precision = precision_of(options.precision);
   poses.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);

@@ -1,6 +1,7 @@
 #include "cli/plan_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -24,6 +25,14 @@ std::string plan_text(const RunPlan& plan) {
   text += fmt::format("memory    {}\n", plan.memory_bytes() > 0
                                             ? "up to " + format_bytes(plan.memory_bytes()) + ", as far as it is known"
                                             : "unknown");
+  double seconds = 0;
+  for (const PlannedStep& step : plan.steps)
+    if (step.outlook != Outlook::kLeftOut) seconds += step.seconds.value_or(0);
+  text += fmt::format("time      {}\n", seconds > 0 ? "at least " + format_duration(seconds) : "unknown");
+  if (plan.has(RunStep::kTrain) && !plan.step(RunStep::kTrain).seconds)
+    text += "          training: no earlier run in the folder tells its speed on this machine\n";
+  const std::vector<std::string> unknown = plan.steps_of_unknown_time();
+  if (!unknown.empty()) text += fmt::format("          nothing is known of {}\n", fmt::join(unknown, ", "));
   return text + "nothing was done: leave --dry-run out to begin\n";
 }
 

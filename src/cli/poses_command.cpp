@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/shell_word.h"
 #include "priors/given_poses.h"
+#include "priors/teacher_list.h"
 #include "scene/import/capture.h"
 
 namespace aligngs {
@@ -34,7 +35,8 @@ namespace {
 
 /// COLMAP was asked for by name, and given cameras lie where --cameras says: both take any folder of photos.
 void require_photos_alone(const std::string& photos, const std::string& scene, const PhotoCommandOptions& options) {
-  if (options.method == "colmap" || !options.cameras.empty() || !std::filesystem::is_directory(photos)) return;
+  if (options.method == PosesMethod::kColmap || !options.cameras.empty() || !std::filesystem::is_directory(photos))
+    return;
   refuse_posed_capture(photos,
                        fmt::format("use them: aligngs import {} -o {}\n  or give the folder of its photos alone",
                                    quote_word(photos), quote_word(scene)));
@@ -64,7 +66,7 @@ void print_report(const CommandContext& context, const std::string& scene, const
     return;
   }
   std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos,
-              report.method == "given" ? "the given cameras" : report.method.c_str(),
+              report.method == word_of(PosesMethod::kGiven) ? "the given cameras" : report.method.c_str(),
               format_duration(report.seconds).c_str(), report.points,
               report.reprojection_error > 0
                   ? fmt::format(", reprojection error {:.2f} px", report.reprojection_error).c_str()
@@ -106,11 +108,11 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
       require_photos_alone(*photos, *scene, *options);
       choose_method(*options, model_store(context));
       ScenePhotosOptions poses = photo_options(*options, context);
-      if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);
+      if (is_camera_network_method(poses.method)) put_networks_on(options->device, options->precision, true, poses);
       print_report(context, *scene, run_poses(*photos, *scene, poses, model_store(context)));
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kWeights && options->method != "colmap" && options->method != "given")
-        offer_colmap(error, *photos, *scene);
+      const bool network = options->method == PosesMethod::kAuto || is_camera_network_method(options->method);
+      if (error.kind() == ErrorKind::kWeights && network) offer_colmap(error, *photos, *scene);
       throw;
     }
   });

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "io/folder_replacement.h"
+#include "priors/teacher_list.h"
 #include "refine/scene_copy.h"
 #include "scene/scene_place.h"
 
@@ -62,22 +63,23 @@ void run_priors(const CommandContext& context, PriorsOptions& options) {
   // Everything that is asked for must be there before the first network runs.
   const PublishedModel* depth = nullptr;
   const PublishedModel* semantics = nullptr;
-  if (options.depth == "auto") {
+  const PriorChoice depth_asked = depth_choice(options.depth), semantics_asked = semantic_choice(options.semantics);
+  if (depth_asked.automatic()) {
     if (!scene.has_prior_depth()) depth = installed_depth_model(store);
     if (depth) warn_of_terms(*depth, "depth");
-  } else if (options.depth != "none") {
-    depth = &depth_model(options.depth);
+  } else if (depth_asked.network) {
+    depth = &published_model(depth_asked.network->model);
     store.require(*depth);
   }
-  if (options.semantics == "auto") {
+  if (semantics_asked.automatic()) {
     if (!scene.has_semantics()) semantics = installed_semantic_model(store);
-  } else if (options.semantics != "none") {
-    semantics = &semantic_model(options.semantics);
+  } else if (semantics_asked.network) {
+    semantics = &published_model(semantics_asked.network->model);
     store.require(*semantics);
   }
-  const bool nothing_asked = options.depth == "auto" && options.semantics == "auto";
+  const bool nothing_asked = depth_asked.automatic() && semantics_asked.automatic();
   if (nothing_asked && !depth && !semantics && !(scene.has_prior_depth() && scene.has_semantics())) {
-    const PublishedModel& light = published_model("ade20k-linear-b");
+    const PublishedModel& light = *suggested_semantic_models().back();
     throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "",
                  how_to_get(store, light)});
   }
@@ -134,9 +136,8 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
       ->group("Networks");
   command
       ->add_option("--semantics", options->semantics,
-                   words_in_help(semantic_choices()) +
-                       ", none, or auto (the first of these that is installed); m2f is the method's, linear and "
-                       "lingbot are light; eomt-panoptic also makes segments")
+                   words_in_help(semantic_choices()) + ", none, or auto (the first of these that is installed); " +
+                       notes_in_help(semantic_teachers()))
       ->capture_default_str()
       ->group("Networks");
   command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")
@@ -148,7 +149,7 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
       ->group("Networks");
   command
       ->add_option("--drop-percent", options->fill.drop_percent,
-                   "vggt, da3: percentage of the depth to leave out, lowest confidence first")
+                   camera_method_words(", ") + ": percentage of the depth to leave out, lowest confidence first")
       ->check(CLI::Range(0.0, 99.0))
       ->capture_default_str()
       ->group("Networks");

@@ -1,5 +1,6 @@
 // `aligngs run PHOTOS_OR_SCENE -o RUN`: everything from photos, or from a scene folder, to the report.
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/device_option.h"
@@ -11,6 +12,8 @@
 #include "cli/stages/quality_gate.h"
 #include "cli/train_options.h"
 #include "pipeline/run_plan.h"
+#include "pipeline/step_forecast.h"
+#include "priors/network_time.h"
 
 namespace aligngs {
 
@@ -21,8 +24,7 @@ namespace {
 struct RunCommandOptions {
   TrainCommandOptions train;
   PhotoCommandOptions photos;
-  PriorRequest priors;
-  std::string source;
+  std::string source, depth = "auto", semantics = "auto";
   bool dry_run = false;
   std::vector<std::string> fail_under;
 };
@@ -36,7 +38,7 @@ RunRequest request_of(const RunCommandOptions& options, const CommandContext& co
   request.photos = options.photos.poses;
   request.photos.precision = precision_of(options.photos.precision);
   request.photos.strict = options.train.strict;
-  request.priors = options.priors;
+  request.priors = {depth_choice(options.depth), semantic_choice(options.semantics)};
   return request;
 }
 
@@ -44,8 +46,9 @@ RunRequest request_of(const RunCommandOptions& options, const CommandContext& co
 PlanExecutionOptions execution_options(const RunCommandOptions& options, const RunPlan& plan,
                                        const CommandContext& context) {
   PlanExecutionOptions execution;
-  execution.device = options.train.device;
-  execution.precision = options.photos.precision;
+  execution.precision = precision_of(options.photos.precision);
+  put_networks_on(options.train.device, options.photos.precision, false, execution);
+  execution.make_fusion_device = fusion_of_device(options.train.device);
   execution.photos = options.photos.poses;
   if (!plan.from_photos()) return execution;
   PhotoCommandOptions photos = options.photos;
@@ -54,17 +57,30 @@ PlanExecutionOptions execution_options(const RunCommandOptions& options, const R
   photos.memory_gigabytes = options.train.memory_gigabytes;
   execution.photos = photo_options(photos, context);
   execution.photos.strict = options.train.strict;
-  if (uses_network(execution.photos.method))
+  if (is_camera_network_method(execution.photos.method))
     put_networks_on(options.train.device, options.photos.precision, false, execution.photos);
   return execution;
+}
+
+/// Time of networks where they run on the processor, at a rate that is measured now. Devices stay unknown.
+void add_network_time(const RunCommandOptions& options, const CommandContext& context, RunPlan& plan) {
+  const auto runs_network = [](const PlannedStep& step) { return step.network && step.outlook != Outlook::kLeftOut; };
+  if (std::none_of(plan.steps.begin(), plan.steps.end(), runs_network)) return;
+  if (chosen_device(options.train.device, false).cuda) return;
+  ThreadPool pool(context.global.threads);
+  nn::Compute compute(pool, {precision_of(options.photos.precision), true, true});
+  forecast_network_time(measure_network_rate(compute), plan);
 }
 
 void run_everything(const RunCommandOptions& options, const CommandContext& context) {
   const std::vector<LeastValue> least = least_values(options.fail_under);
   const RunRequest request = request_of(options, context);
   const ModelStore store = model_store(context);
-  const RunPlan plan = plan_run(request, store);
-  if (options.dry_run) return print_plan(plan, context.global.json);
+  RunPlan plan = plan_run(request, store);
+  if (options.dry_run) {
+    add_network_time(options, context, plan);
+    return print_plan(plan, context.global.json);
+  }
   const PlanExecutionOptions execution = execution_options(options, plan, context);
   // Served before all long steps. They decide the scene of a new run; its run.json names it once training begins.
   const auto page = serve_while_working(options.train.view, options.train.view_port, plan.run,
@@ -99,13 +115,13 @@ void add_run_command(CLI::App& program, CommandContext& context) {
       ->required()
       ->group("Output folder");
   command
-      ->add_option("--semantics", options->priors.semantics,
+      ->add_option("--semantics", options->semantics,
                    "class priors, if the scene has none: " + words_in_help(semantic_choices()) +
                        ", none, or auto (the first of these that is installed)")
       ->capture_default_str()
       ->group("Priors");
   command
-      ->add_option("--depth", options->priors.depth,
+      ->add_option("--depth", options->depth,
                    "depth priors, if the scene has none: " + words_in_help(depth_choices()) +
                        ", none, or auto (the weights of --poses-model; without them depth measured from points, or the "
                        "first of these that is installed)")

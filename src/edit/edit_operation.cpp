@@ -105,7 +105,7 @@ EditOperation parse_entry(const EntryReader& entry) {
   if (edit.kind == EditKind::kReplace) {
     edit.with = entry.text("with", kLongestSource);
     edit.fit = entry.flag("fit");
-    edit.up_axis = entry.parsed("up", [](const std::string& t) { return parse_axis(t), t; });
+    edit.up_axis = entry.parsed("up", [](const std::string& t) { return parse_axis(t); });
   }
   if (entry.has("number")) edit.number = entry.number("number");
   if (entry.has("change")) edit.change = entry.text("change", 64);
@@ -165,7 +165,7 @@ std::string describe(const EditOperation& edit) {
   if (edit.kind == EditKind::kReplace) {
     text += " with " + edit.with;
     if (edit.fit) text += kFitted;
-    if (edit.up_axis != "z") text += std::string(kUpwards) + edit.up_axis;
+    if (edit.up_axis != UpAxis::kZ) text += fmt::format("{}{}", kUpwards, word_of(edit.up_axis));
     if (edit.motion.turn != 0) text += fmt::format("{}{:.9g}", kAndTurn, edit.motion.turn);
   }
   if (edit.kind == EditKind::kDelete && edit.fill) text += kHoleFilled;
@@ -222,7 +222,7 @@ Json edits_json(const std::vector<EditOperation>& edits) {
     if (edit.kind == EditKind::kReplace) {
       entry["with"] = edit.with;
       entry["fit"] = edit.fit;
-      entry["up"] = edit.up_axis;
+      entry["up"] = word_of(edit.up_axis);
       entry["turn"] = fmt::format("{:.9g}", edit.motion.turn);
     }
     if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) {

@@ -11,6 +11,7 @@
 
 #include "edit/object_motion.h"
 #include "edit/selection_text.h"
+#include "edit/up_axis.h"
 
 namespace aligngs {
 
@@ -31,12 +32,12 @@ struct EditOperation {
   std::string select;  ///< selection text (selection_text.h)
   ThresholdRule threshold;
   std::array<uint8_t, 3> color{255, 200, 0};  ///< sRGB, of kRecolor and kHighlight
-  bool fill = false;           ///< kDelete, kMove, kReplace: continue the surfaces behind and under the object
-  bool with_contents = false;  ///< also things on the selected objects; not for colours
-  ObjectMotion motion;         ///< kMove, kDuplicate; a copy that has none is beside the original
-  std::string with;            ///< kReplace: where the other object comes from (inserted_object.h)
-  std::string up_axis = "z";   ///< kReplace: upwards in a file of splats: x, y, z, -x, -y or -z
-  bool fit = false;            ///< kReplace: scale the other object to the box of the selection
+  bool fill = false;            ///< kDelete, kMove, kReplace: continue the surfaces behind and under the object
+  bool with_contents = false;   ///< also things on the selected objects; not for colours
+  ObjectMotion motion;          ///< kMove, kDuplicate; a copy that has none is beside the original
+  std::string with;             ///< kReplace: where the other object comes from (inserted_object.h)
+  UpAxis up_axis = UpAxis::kZ;  ///< kReplace: upwards in a file of splats
+  bool fit = false;             ///< kReplace: scale the other object to the box of the selection
   std::shared_ptr<const InsertedObject> object;  ///< kReplace: what `with` names, once it has been read
   uint32_t number = 0;  ///< in its run, from 1 on, never the same for two edits of a stack; 0: has none yet
   /// file in RUN/edits/ with what the edit did (edit_change_file.h); empty: only the words are known

@@ -35,7 +35,7 @@ TEST(EditsFile, AReplacementReadsBack) {
   replace.select = "armchair";
   replace.with = "other_run#sofa#1";
   replace.fit = true;
-  replace.up_axis = "-y";
+  replace.up_axis = UpAxis::kMinusY;
   replace.motion.turn = 45;
   const std::vector<EditOperation> back = parse_edits(edits_text({replace}), "edits.json");
   ASSERT_EQ(back.size(), 1u);

@@ -142,7 +142,7 @@ void read_source(EditOperation& edit, std::string& text) {
     return value;
   };
   if (const auto turn = take_value(kAndTurn)) edit.motion.turn = parse_turn(*turn);
-  if (const auto up = take_value(kUpwards)) edit.up_axis = (parse_axis(*up), *up);
+  if (const auto up = take_value(kUpwards)) edit.up_axis = parse_axis(*up);
   edit.fit = take_ending(edit.with, kFitted);
   trim(edit.with);
   if (edit.with.empty()) throw_usage("the replacement has no object", "name FILE.ply or RUN#OBJECT after \"with\"");

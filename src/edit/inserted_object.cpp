@@ -69,12 +69,12 @@ void complete(EditableRoom& room) {
   room.origins.assign(n, {});
 }
 
-InsertedObject read_file_object(const std::string& source, const std::string& up) {
+InsertedObject read_file_object(const std::string& source, UpAxis up) {
   const fs::path file(source);
   if (!fs::is_regular_file(file))
     throw Error({ErrorKind::kUsage, "there is no such file of splats", file, "--replace", kSourceExample});
   InsertedObject out;
-  out.up = parse_axis(up);
+  out.up = direction_of(up);
   out.front = out.up.z != 0 ? Vec3d{0, -1, 0} : Vec3d{0, 0, 1};
   const std::string head = head_of(file);
   const auto has = [&](const char* name) { return head.find(std::string(" ") + name + "\n") != std::string::npos; };
@@ -119,17 +119,7 @@ InsertedObject read_run_object(const std::string& source, ThreadPool& pool) {
 
 }  // namespace
 
-Vec3d parse_axis(const std::string& text) {
-  const bool negative = !text.empty() && text[0] == '-';
-  const std::string axis = text.substr(negative ? 1 : 0);
-  if (axis != "x" && axis != "y" && axis != "z")
-    throw_usage("\"" + text.substr(0, 40) + "\" is no axis", "give x, y, z, -x, -y or -z");
-  Vec3d out;
-  out[axis[0] - 'x'] = negative ? -1 : 1;
-  return out;
-}
-
-InsertedObject read_inserted_object(const std::string& source, const std::string& up, ThreadPool& pool) {
+InsertedObject read_inserted_object(const std::string& source, UpAxis up, ThreadPool& pool) {
   return ends_in_ply(source) ? read_file_object(source, up) : read_run_object(source, pool);
 }
 

@@ -9,6 +9,7 @@
 #include "core/thread_pool.h"
 #include "edit/apply_edit.h"
 #include "edit/edit_change.h"
+#include "edit/up_axis.h"
 
 namespace aligngs {
 
@@ -21,14 +22,11 @@ struct InsertedObject {
   bool placed = false;         ///< it is in the world of the room already, where an edit put it
 };
 
-/// The direction "x", "y", "z", "-x", "-y" or "-z"; Error{kUsage} for other words.
-Vec3d parse_axis(const std::string& text);
-
 /// FILE.ply: splats in the common layout of 3DGS, with or without labels. `up` is an axis of the file. The front is the
 /// file's -y where z or -z is up, else its z. RUN#OBJECT: the object of a run with its edits, e.g. "other_run#armchair#1".
 /// Error{kUsage} for other words and for a run without such an object. Error{kBadInput} for a damaged file, and for one
 /// without Gaussians or with more than 20 million.
-InsertedObject read_inserted_object(const std::string& source, const std::string& up, ThreadPool& pool);
+InsertedObject read_inserted_object(const std::string& source, UpAxis up, ThreadPool& pool);
 
 /// The object that an edit put into a room, as the file of the edit has it; null for other edits.
 std::shared_ptr<const InsertedObject> inserted_by(const EditChange& change, const EditableRoom& room);

@@ -47,7 +47,7 @@ class ReplaceObject : public testing::Test {
     edit.with = file_;
     edit.fit = fit;
     edit.motion.turn = turn;
-    edit.object = std::make_shared<const InsertedObject>(read_inserted_object(file_, "z", pool_));
+    edit.object = std::make_shared<const InsertedObject>(read_inserted_object(file_, UpAxis::kZ, pool_));
     return edit;
   }
   /// Box around the Gaussians that an edit put in.
@@ -114,7 +114,7 @@ TEST_F(ReplaceObject, AClassOfTheFileIsKept) {
 }
 
 TEST_F(ReplaceObject, HarmonicsBeyondTheRoomsDegreeAreGone) {
-  InsertedObject object = read_inserted_object(file_, "z", pool_);
+  InsertedObject object = read_inserted_object(file_, UpAxis::kZ, pool_);
   for (float& v : object.room.gaussians.model.sh) v = 1;
   room_.gaussians.model.sh_degree = 1;
   const std::vector<uint8_t> selected(room_.origins.size(), 1);
@@ -160,7 +160,7 @@ TEST_F(ReplaceObject, OtherEditsHaveNone) {
 TEST_F(ReplaceObject, BadSourcesAreRefused) {
   const auto kind_of = [&](const std::string& source, const std::string& up = "z") {
     try {
-      read_inserted_object(source, up, pool_);
+      read_inserted_object(source, parse_axis(up), pool_);
     } catch (const Error& error) {
       return error.kind();
     }

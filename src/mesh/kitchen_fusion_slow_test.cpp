@@ -11,6 +11,7 @@
 #include "mesh/testing/analytic_scenes.h"
 #include "metrics/mesh_distance.h"
 #include "metrics/mesh_protocols.h"
+#include "metrics/run_metrics.h"
 #include "metrics/surface_points.h"
 #include "scene/mesh_ply.h"
 
@@ -124,7 +125,7 @@ TEST_F(KitchenFusion, ProtocolsAgreeOnAGoodMesh) {
   std::vector<MeshProtocolResult> all = evaluation.variants;
   all.insert(all.begin(), evaluation.headline);
   for (const MeshProtocolResult& r : all) {
-    print((r.protocol + ", " + r.culling + ", " + r.alignment).c_str(), r.scores);
+    print(protocol_text(r).c_str(), r.scores);
     EXPECT_GT(r.scores.precision, 0.93);
     EXPECT_GT(r.scores.fscore, 0.85);
   }

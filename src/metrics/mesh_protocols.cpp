@@ -51,20 +51,6 @@ double area_of(const TriangleMesh& mesh) {
   return area;
 }
 
-std::string name_of(MeshAlignment alignment) {
-  switch (alignment) {
-    case MeshAlignment::kNone:
-      return "none";
-    case MeshAlignment::kCameras:
-      return "cameras";
-    case MeshAlignment::kCamerasAndIcp:
-      return "cameras+icp";
-    case MeshAlignment::kIcp:
-      return "icp";
-  }
-  return "none";
-}
-
 /// The predicted mesh in the world of the truth. ICP runs against area samples of the culled truth.
 TriangleMesh aligned_prediction(const MeshEvaluationInput& input, MeshAlignment alignment, const TriangleMesh& culled,
                                 ThreadPool& pool, const MeshProtocolOptions& options, AlignmentReport& report) {
@@ -129,7 +115,7 @@ class Evaluator {
   }
 
   MeshProtocolResult neuris_vertices(CullingViews culling, MeshAlignment alignment) {
-    MeshProtocolResult result = named("neuris_vertices", culling, alignment);
+    MeshProtocolResult result = named(MeshProtocol::kNeurisVertices, culling, alignment);
     const TruthView& truth = truth_seen_by(culling);
     Surface& predicted = prediction(truth, alignment, result.alignment_report);
     const std::vector<uint8_t> inside = triangles_in_box(predicted.mesh, truth.culled.vertices, kBoxScale);
@@ -143,7 +129,7 @@ class Evaluator {
   }
 
   MeshProtocolResult area_samples(CullingViews culling, MeshAlignment alignment) {
-    MeshProtocolResult result = named("area_samples", culling, alignment);
+    MeshProtocolResult result = named(MeshProtocol::kAreaSamples, culling, alignment);
     const std::vector<Camera> cameras = culling_cameras(culling);
     const TruthView& seen = truth_seen_by(culling);
     Surface& mesh = prediction(seen, alignment, result.alignment_report);
@@ -186,11 +172,11 @@ class Evaluator {
     return cameras;
   }
 
-  static MeshProtocolResult named(const char* protocol, CullingViews culling, MeshAlignment alignment) {
+  static MeshProtocolResult named(MeshProtocol protocol, CullingViews culling, MeshAlignment alignment) {
     MeshProtocolResult result;
     result.protocol = protocol;
-    result.culling = culling == CullingViews::kAll ? "all poses" : "training poses";
-    result.alignment = name_of(alignment);
+    result.culling = culling;
+    result.alignment = alignment;
     return result;
   }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/choice_words.h"
 #include "core/rigid.h"
 #include "core/thread_pool.h"
 #include "metrics/icp.h"
@@ -16,8 +17,18 @@
 
 namespace aligngs {
 
+/// The points that are compared.
+enum class MeshProtocol { kNeurisVertices, kAreaSamples };
+template <>
+inline constexpr std::array<ChoiceWord<MeshProtocol>, 2> kChoiceWords<MeshProtocol> = {
+    {{MeshProtocol::kNeurisVertices, "neuris_vertices"}, {MeshProtocol::kAreaSamples, "area_samples"}}};
+
 /// Poses that decide which part of the room is judged.
 enum class CullingViews { kTraining, kAll };
+template <>
+inline constexpr std::array<ChoiceWord<CullingViews>, 2> kChoiceWords<CullingViews> = {
+    {{CullingViews::kTraining, "training poses"}, {CullingViews::kAll, "all poses"}}};
+
 /// How the predicted mesh is brought into the world of the truth.
 enum class MeshAlignment {
   kNone,           ///< the worlds are the same
@@ -25,6 +36,12 @@ enum class MeshAlignment {
   kCamerasAndIcp,  ///< then scaled point-to-plane ICP against the culled truth: a diagnostic, it hides scale and bend
   kIcp             ///< ICP alone, from the same world
 };
+template <>
+inline constexpr std::array<ChoiceWord<MeshAlignment>, 4> kChoiceWords<MeshAlignment> = {
+    {{MeshAlignment::kNone, "none"},
+     {MeshAlignment::kCameras, "cameras"},
+     {MeshAlignment::kCamerasAndIcp, "cameras+icp"},
+     {MeshAlignment::kIcp, "icp"}}};
 
 struct MeshEvaluationInput {
   const TriangleMesh* predicted = nullptr;  ///< in the world of run_cameras
@@ -62,9 +79,10 @@ struct AlignmentReport {
 };
 
 struct MeshProtocolResult {
-  std::string protocol;   ///< "neuris_vertices" or "area_samples"
-  std::string culling;    ///< "training poses" or "all poses"
-  std::string alignment;  ///< "none", "cameras", "cameras+icp" or "icp"
+  MeshProtocol protocol = MeshProtocol::kNeurisVertices;
+  CullingViews culling = CullingViews::kAll;
+  MeshAlignment alignment = MeshAlignment::kNone;
+  std::optional<std::string> stated;  ///< the protocol in the words of an older file, instead of these three
   MeshScores scores;
   AlignmentReport alignment_report;
   double truth_area = 0;      ///< m^2 that could be judged

@@ -147,7 +147,7 @@ TEST_P(BothProtocols, AlignmentOnCamerasUndoesTheWorldOfTheRun) {
   input.train = {0, 1};
   for (Camera& c : input.run_cameras) c.world_to_camera = to_run.transform_world_to_camera(c.world_to_camera);
   const MeshProtocolResult result = evaluate(input, CullingViews::kAll, MeshAlignment::kCameras);
-  EXPECT_EQ(result.alignment, "cameras");
+  EXPECT_EQ(result.alignment, MeshAlignment::kCameras);
   EXPECT_EQ(result.scores.fscore, 1);
   EXPECT_LT(result.scores.accuracy, 0.012);
   EXPECT_NEAR(result.alignment_report.similarity.scale, 1 / 0.37, 1e-6);
@@ -193,12 +193,12 @@ TEST(EvaluateMesh, NamesTheHeadlineAndTheVariants) {
   const TriangleMesh truth = wall(2, 0.7f);
   ThreadPool pool(2);
   const MeshEvaluation metric = evaluate_mesh(make_input(truth, truth), true, true, pool);
-  EXPECT_EQ(metric.headline.protocol, "neuris_vertices");
-  EXPECT_EQ(metric.headline.culling, "all poses");
-  EXPECT_EQ(metric.headline.alignment, "none");
+  EXPECT_EQ(metric.headline.protocol, MeshProtocol::kNeurisVertices);
+  EXPECT_EQ(metric.headline.culling, CullingViews::kAll);
+  EXPECT_EQ(metric.headline.alignment, MeshAlignment::kNone);
   ASSERT_EQ(metric.variants.size(), 6u);
-  EXPECT_EQ(metric.variants[3].alignment, "cameras");
-  EXPECT_EQ(evaluate_mesh(make_input(truth, truth), false, false, pool).headline.alignment, "cameras");
+  EXPECT_EQ(metric.variants[3].alignment, MeshAlignment::kCameras);
+  EXPECT_EQ(evaluate_mesh(make_input(truth, truth), false, false, pool).headline.alignment, MeshAlignment::kCameras);
 }
 
 TEST(Icp, RecoversASmallSimilarity) {

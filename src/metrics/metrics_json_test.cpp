@@ -106,13 +106,12 @@ RunMetrics everything() {
   m.mesh_labels->class_coverage = {kUndefined, next++};
   MeshProtocolResult& headline = m.geometry.emplace().headline;
   each_mesh_number(headline, fill);
-  headline.protocol = "neuris_vertices";
-  headline.culling = "all poses";
-  headline.alignment = "cameras+icp";
+  headline.alignment = MeshAlignment::kCamerasAndIcp;
   headline.scores.finer = {{0.01, next++, next++, next++}, {0.02, next++, next++, next++}};
   headline.alignment_report.icp.emplace().rmse_after = next++;
   m.geometry->variants = {headline};
-  m.geometry->variants[0].protocol = "area_samples";
+  m.geometry->variants[0].protocol = MeshProtocol::kAreaSamples;
+  m.geometry->variants[0].culling = CullingViews::kTraining;
   each_surface_number(m.geometry->surface, fill);
   each_training_number(m.train, fill);
   m.train.device = "cpu";
@@ -126,9 +125,10 @@ TEST(MetricsJson, ReadingIsTheInverseOfWriting) {
 
 TEST(MetricsJson, ReadingKeepsThePartsOfTheProtocol) {
   const RunMetrics back = metrics_from_json(metrics_json(everything()));
-  EXPECT_EQ(back.geometry->headline.culling, "all poses");
-  EXPECT_EQ(back.geometry->headline.alignment, "cameras+icp");
-  EXPECT_EQ(back.geometry->variants.at(0).protocol, "area_samples");
+  EXPECT_FALSE(back.geometry->headline.stated);
+  EXPECT_EQ(back.geometry->headline.alignment, MeshAlignment::kCamerasAndIcp);
+  EXPECT_EQ(back.geometry->variants.at(0).protocol, MeshProtocol::kAreaSamples);
+  EXPECT_EQ(back.geometry->variants.at(0).culling, CullingViews::kTraining);
 }
 
 TEST(MetricsJson, NumbersThatAnOldFileLacksAreUndefined) {

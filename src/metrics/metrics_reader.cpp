@@ -162,15 +162,25 @@ std::set<double> finer_thresholds(const Json& json) {
   return thresholds;
 }
 
+/// The inverse of protocol_text().
+void take_protocol(const std::string& text, MeshProtocolResult& result) {
+  const size_t culling = text.find(kCullingMark), alignment = text.rfind(kAlignmentMark);
+  result.stated = text;
+  if (alignment == std::string::npos || culling >= alignment) return;
+  const size_t poses = culling + kCullingMark.size();
+  const auto protocol = choice_named<MeshProtocol>(text.substr(0, culling));
+  const auto views = choice_named<CullingViews>(text.substr(poses, alignment - poses));
+  const auto aligned = choice_named<MeshAlignment>(text.substr(alignment + kAlignmentMark.size()));
+  if (!protocol || !views || !aligned) return;
+  result.protocol = *protocol;
+  result.culling = *views;
+  result.alignment = *aligned;
+  result.stated.reset();
+}
+
 MeshProtocolResult read_protocol(const Json& json) {
   MeshProtocolResult result;
-  result.protocol = text_member(json, "protocol");
-  const size_t culling = result.protocol.find(kCullingMark), alignment = result.protocol.rfind(kAlignmentMark);
-  if (alignment != std::string::npos && culling < alignment) {
-    result.culling = result.protocol.substr(culling + kCullingMark.size(), alignment - culling - kCullingMark.size());
-    result.alignment = result.protocol.substr(alignment + kAlignmentMark.size());
-    result.protocol.resize(culling);
-  }
+  take_protocol(text_member(json, "protocol"), result);
   each_mesh_number(result, from(json));
   for (const double threshold : finer_thresholds(json)) {
     ThresholdScores finer;

@@ -66,8 +66,9 @@ ViewGroupMetrics group_of(const std::vector<TestViewMetrics>& views, bool extrap
 }  // namespace
 
 std::string protocol_text(const MeshProtocolResult& result) {
-  if (result.culling.empty() && result.alignment.empty()) return result.protocol;
-  return fmt::format("{}, {}, alignment: {}", result.protocol, result.culling, result.alignment);
+  if (result.stated) return *result.stated;
+  return fmt::format("{}, {}, alignment: {}", word_of(result.protocol), word_of(result.culling),
+                     word_of(result.alignment));
 }
 
 NovelViewMetrics novel_view_metrics(const std::vector<TestViewMetrics>& views, std::string lpips_note) {

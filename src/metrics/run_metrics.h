@@ -92,7 +92,7 @@ struct RunMetrics {
   LabelSet labels;  ///< names of the classes
 };
 
-/// "neuris_vertices, all poses, alignment: cameras"; the protocol alone where it has no such parts.
+/// "neuris_vertices, all poses, alignment: cameras", or the words of an older file.
 std::string protocol_text(const MeshProtocolResult& result);
 
 /// The means and medians over the views; NaN without a view that has the figure.

@@ -109,8 +109,9 @@ void require_named_weights(const RunRequest& request, const RunPlan& plan, const
   try {
     if (is_camera_network_method(plan.cameras.method)) store.require(published_model(plan.cameras.model));
     const PriorRequest& priors = request.priors;
-    if (priors.semantics != "auto" && priors.semantics != "none") store.require(semantic_model(priors.semantics));
-    if (priors.depth != "auto" && priors.depth != "none") store.require(depth_model(priors.depth));
+    for (const PriorChoice* prior : {&priors.semantics, &priors.depth}) {
+      if (prior->network) store.require(published_model(prior->network->model));
+    }
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kWeights || !plan.from_photos()) throw;
     throw_with_way_without_networks(error, request);
@@ -171,7 +172,7 @@ void plan_photos(const RunRequest& request, const ModelStore& store, RunPlan& pl
   CameraRequest found = request.cameras;
   found.method = cameras.method;
   found.model = cameras.model;
-  const bool network = poses.network != nullptr, given = cameras.method == "given";
+  const bool network = poses.network != nullptr, given = cameras.method == PosesMethod::kGiven;
   const Decision measure = may_measure(plan.config);
   const Decision by_network = decide_depth(measure.wanted, request.priors, found, store);
   if (network)
@@ -253,6 +254,14 @@ uint64_t RunPlan::memory_bytes() const {
   return most;
 }
 
+std::vector<std::string> RunPlan::steps_of_unknown_time() const {
+  std::vector<std::string> names;
+  for (const PlannedStep& step : steps) {
+    if (step.outlook != Outlook::kLeftOut && !step.seconds) names.emplace_back(step_name(step.step));
+  }
+  return names;
+}
+
 PlannedStep settled_step(const PlannedStep& expected, const Scene& scene, const RunRequest& request,
                          const RunPlan& plan, const ModelStore& store) {
   return decided(expected.step, decide(expected.step, scene, request, plan, store));
@@ -278,7 +287,7 @@ RunPlan plan_run(const RunRequest& request, const ModelStore& store) {
     plan.cameras = cameras_of_photos(request, store);
     require_named_weights(request, plan, store);
     ScenePhotosOptions options = request.photos;
-    options.method = poses_method(plan.cameras.method);
+    options.method = plan.cameras.method;
     options.model = plan.cameras.model;
     options.cameras = request.cameras.cameras;
     options.overwrite = fs::exists(own);

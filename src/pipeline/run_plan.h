@@ -66,16 +66,19 @@ struct RunPlan {
   std::filesystem::path scene;  ///< that is trained, as far as it is decided; RUN/scene wherever a step writes it
   bool begun = false;           ///< its training goes on
   CameraChoice cameras;         ///< of photos; no method otherwise
+  size_t photos = 0;            ///< of the source, as far as they can be counted; 0: unknown
   TrainConfig config;
   std::vector<PlannedStep> steps;  ///< those left out as well
 
   bool has(RunStep step) const;
   const PlannedStep& step(RunStep step) const;
-  bool from_photos() const { return !cameras.method.empty(); }
+  bool from_photos() const { return cameras.method != PosesMethod::kAuto; }
   /// The scene that this run keeps for itself.
   std::filesystem::path own_scene() const { return run / "scene"; }
   /// The largest peak among the steps that are not left out, as far as it is known; 0: nothing is known.
   uint64_t memory_bytes() const;
+  /// Names of the steps that are not left out and whose time is unknown.
+  std::vector<std::string> steps_of_unknown_time() const;
 };
 
 /// The steps of `aligngs run`. Reads headers and changes nothing. Errors are those of a run before its first step:

@@ -11,6 +11,8 @@
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "pipeline/step_forecast.h"
+#include "priors/model_sets.h"
 #include "refine/bundle_adjustment.h"
 #include "scene/testing/scene_folder.h"
 #include "train/run_folder.h"
@@ -137,7 +139,7 @@ TEST_F(RunPlanTest, LabelsComeFromTheFirstInstalledNetwork) {
   const RunPlan made = plan();
   ASSERT_TRUE(made.step(RunStep::kClasses).network);
   EXPECT_EQ(made.step(RunStep::kClasses).network->name, "lingbot-s");
-  request_.priors.semantics = "none";
+  request_.priors.semantics = semantic_choice("none");
   EXPECT_EQ(outlook(RunStep::kClasses), Outlook::kLeftOut);
 }
 
@@ -165,7 +167,7 @@ TEST_F(RunPlanTest, PhotosTakeTheBestInstalledNetwork) {
   install("vggt-1b");
   install("da3-small");
   const RunPlan made = plan();
-  EXPECT_EQ(made.cameras.method, "da3");
+  EXPECT_EQ(made.cameras.method, PosesMethod::kDa3);
   EXPECT_EQ(made.step(RunStep::kPoses).network->name, "da3-small");
   EXPECT_THAT(made.step(RunStep::kPoses).reason, HasSubstr("free to use"));
   EXPECT_FALSE(made.has(RunStep::kDepth)) << "it comes with the cameras";
@@ -176,15 +178,15 @@ TEST_F(RunPlanTest, ANetworkWithTermsIsToldWithThem) {
   photos();
   install("vggt-1b");
   EXPECT_THAT(plan().step(RunStep::kPoses).terms, HasSubstr("non-commercial"));
-  request_.cameras.method = "vggt";
+  request_.cameras.method = PosesMethod::kVggt;
   EXPECT_EQ(plan().step(RunStep::kPoses).terms, "") << "it was asked for";
 }
 
 TEST_F(RunPlanTest, CamerasByColmapLeadToMeasuredDepth) {
   const WithPrograms programs(base_ / "bin", {"colmap"});
   photos();
-  request_.cameras.method = "colmap";
-  request_.priors.semantics = "none";
+  request_.cameras.method = PosesMethod::kColmap;
+  request_.priors.semantics = semantic_choice("none");
   const RunPlan made = plan();
   EXPECT_EQ(made.step(RunStep::kPoses).outlook, Outlook::kPlanned);
   EXPECT_EQ(made.step(RunStep::kMeasure).outlook, Outlook::kExpected);
@@ -195,7 +197,7 @@ TEST_F(RunPlanTest, AMissingProgramIsAnErrorBeforeAnythingIsDone) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", base_.c_str(), 1);
   photos();
-  request_.cameras.method = "colmap";
+  request_.cameras.method = PosesMethod::kColmap;
   const Error missing = error();
   setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(missing.kind(), ErrorKind::kFailed);
@@ -240,6 +242,19 @@ TEST_F(RunPlanTest, TimeOfANewRunIsUnknown) {
   EXPECT_GT(plan().step(RunStep::kTrain).memory_bytes.value_or(0), 0u);
 }
 
+TEST_F(RunPlanTest, TimeOfANetworkFollowsFromItsOperationsAndThePhotos) {
+  photos();
+  install("da3-small");
+  RunPlan made = plan();
+  ASSERT_GT(made.photos, 0u);
+  EXPECT_FALSE(made.step(RunStep::kPoses).seconds) << "no rate was measured";
+  forecast_network_time(0.5e12, made);
+  EXPECT_DOUBLE_EQ(made.step(RunStep::kPoses).seconds.value_or(0),
+                   tera_operations_per_photo("da3-small") / 0.5 * double(made.photos));
+  EXPECT_THAT(made.steps_of_unknown_time(), testing::Contains("train"));
+  EXPECT_THAT(made.steps_of_unknown_time(), testing::Not(testing::Contains("poses")));
+}
+
 TEST_F(RunPlanTest, WhatNoRunCanUseIsAnError) {
   request_.source = base_ / "nowhere";
   EXPECT_EQ(error().kind(), ErrorKind::kBadInput);
@@ -262,7 +277,7 @@ TEST_F(RunPlanTest, ACaptureWithPosesNamesTheImport) {
 
 TEST_F(RunPlanTest, OptionsOfAnotherMethodAreRefused) {
   photos();
-  request_.cameras.method = "vggt";
+  request_.cameras.method = PosesMethod::kVggt;
   request_.cameras.camera_from_rays = true;
   EXPECT_THAT(error().what(), HasSubstr("--method da3"));
 }

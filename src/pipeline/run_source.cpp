@@ -30,15 +30,15 @@ bool needs_cameras(const RunRequest& request) {
   if (!video && !fs::is_directory(source))
     throw_bad_input(source, "", "there is no such folder", "give a folder of photos, a video, or a scene folder");
   if (video) return true;
-  if (request.cameras.method != "given" && may_hold_colmap_model(source)) return false;
-  const bool network = request.cameras.method == "auto" || is_camera_network_method(request.cameras.method);
+  if (request.cameras.method != PosesMethod::kGiven && may_hold_colmap_model(source)) return false;
+  const bool network = request.cameras.method == PosesMethod::kAuto || is_camera_network_method(request.cameras.method);
   if (network && fs::exists(source / "transforms.json")) {
     throw_bad_input(source, "transforms.json", "this is a nerfstudio data set, whose cameras are in transforms.json",
                     fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: "
                                 "aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
                                 quote_word(from), quote_word(run)));
   }
-  if (request.cameras.method != "colmap" && request.cameras.cameras.empty()) {
+  if (request.cameras.method != PosesMethod::kColmap && request.cameras.cameras.empty()) {
     refuse_posed_capture(source, fmt::format("use them: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
                                              quote_word(from), quote_word(run)));
   }

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "priors/scene_priors.h"
-#include "priors/teacher_list.h"
+#include "core/progress.h"
 #include "refine/refined_scene.h"
 #include "train/training_set.h"
 
@@ -31,9 +30,9 @@ bool wants_metric_depth(const TrainConfig& config) {
 
 Decision decide_depth(bool measurable, const PriorRequest& priors, const CameraRequest& cameras,
                       const ModelStore& store) {
-  if (priors.depth == "none") return no("--depth none leaves depth of networks out");
-  if (priors.depth != "auto") {
-    const PublishedModel& model = depth_model(priors.depth);
+  if (priors.depth.none()) return no("--depth none leaves depth of networks out");
+  if (const Teacher* const named = priors.depth.network) {
+    const PublishedModel& model = published_model(named->model);
     return by_network(model, fmt::format("no prior depth: depth by {}, as --depth asks", model.name));
   }
   Decision decision;
@@ -45,7 +44,7 @@ Decision decide_depth(bool measurable, const PriorRequest& priors, const CameraR
     decision = by_network(*other, fmt::format("no prior depth: depth by {}, the first that is installed", other->name));
   else
     return no("no network for depth is installed");
-  const bool named = !cameras.model.empty() || cameras.method == "vggt";
+  const bool named = !cameras.model.empty() || is_camera_network_method(cameras.method);
   if (!named) decision.terms = terms_of_choice(*decision.network, "depth");
   return decision;
 }
@@ -57,16 +56,19 @@ Decision decide_depth(const Scene& scene, const PriorRequest& priors, const Came
 }
 
 Decision decide_classes(const PriorRequest& priors, const ModelStore& store) {
-  if (priors.semantics == "none") return no("--semantics none leaves classes out");
-  if (priors.semantics != "auto") {
-    const PublishedModel& model = semantic_model(priors.semantics);
+  if (priors.semantics.none()) return no("--semantics none leaves classes out");
+  if (const Teacher* const named = priors.semantics.network) {
+    const PublishedModel& model = published_model(named->model);
     return by_network(model, fmt::format("no class labels: labels by {}, as --semantics asks", model.name));
   }
   if (const PublishedModel* const model = installed_semantic_model(store))
     return by_network(*model, fmt::format("no class labels: labels by {}, the first that is installed", model->name));
-  return no(
-      "no class labels: no weights for them are here (aligngs models download eomt-l, 1.3 GB, or lingbot-s, 0.1 GB)",
-      Notice::kInfo);
+  std::string remedy;
+  for (const PublishedModel* model : suggested_semantic_models()) {
+    remedy += fmt::format("{}{}, {}", remedy.empty() ? "aligngs models download " : ", or ", model->name,
+                          format_bytes(download_bytes(*model)));
+  }
+  return no(fmt::format("no class labels: no weights for them are here ({})", remedy), Notice::kInfo);
 }
 
 Decision decide_classes(const Scene& scene, const PriorRequest& priors, const ModelStore& store) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "priors/camera_choice.h"
+#include "priors/teacher_list.h"
 #include "scene/scene.h"
 #include "train/config.h"
 
@@ -21,9 +22,9 @@ struct Decision {
   std::string terms = {};                   ///< of a network that nobody named; empty where it may be used in every way
 };
 
-/// The request for priors that a scene lacks: a word of priors/teacher_list.h, "auto" or "none".
+/// The request for priors that a scene lacks.
 struct PriorRequest {
-  std::string depth = "auto", semantics = "auto";
+  PriorChoice depth, semantics;
 };
 
 /// Depth by a network. Depth that can be measured in the photos is not left to networks that see one photo at a time.

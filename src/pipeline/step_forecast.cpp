@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "core/memory_budget.h"
 #include "pipeline/room_memory.h"
+#include "priors/network_time.h"
 #include "priors/scene_priors.h"
 #include "priors/semantic_teacher.h"
 
@@ -50,6 +51,13 @@ void forecast_training(const TrainOptions& train, uint64_t pixels, RunPlan& plan
   }
 }
 
+void forecast_network_time(double rate, RunPlan& plan) {
+  for (PlannedStep& step : plan.steps) {
+    if (step.network && step.outlook != Outlook::kLeftOut && plan.photos > 0)
+      step.seconds = network_seconds(step.network->name, plan.photos, rate);
+  }
+}
+
 void forecast_steps(const RunRequest& request, const ModelStore& store, const std::vector<NetworkInput>& photos,
                     RunPlan& plan) {
   NetworkMemoryOptions options;
@@ -60,6 +68,7 @@ void forecast_steps(const RunRequest& request, const ModelStore& store, const st
     if (step.network && step.outlook != Outlook::kLeftOut && !photos.empty())
       step.memory_bytes = network_bytes(step, store, photos, options);
   }
+  plan.photos = photos.size();
   forecast_training(request.train, pixels_of(photos), plan);
 }
 

@@ -17,4 +17,8 @@ void forecast_steps(const RunRequest& request, const ModelStore& store, const st
 /// given. Time by the speed of an earlier run in the folder, else unknown.
 void forecast_training(const TrainOptions& train, uint64_t pixels, RunPlan& plan);
 
+/// Time of networks on the processor: operations of a photo (priors/network_time.h) times the photos of the plan, at
+/// `rate` operations per second. Unknown where the photos or the operations are.
+void forecast_network_time(double rate, RunPlan& plan);
+
 }  // namespace aligngs

@@ -10,8 +10,6 @@
 namespace aligngs {
 namespace {
 
-constexpr const char* kMetricNetwork = "da3metric-large";
-
 [[noreturn]] void throw_no_camera_network() {
   const auto size = [](const char* set) {
     uint64_t bytes = 0;
@@ -27,47 +25,54 @@ constexpr const char* kMetricNetwork = "da3metric-large";
 }
 
 /// The named weights, else the method's own.
-std::string weights_of_method(const CameraRequest& request, const std::string& method) {
+std::string weights_of_method(const CameraRequest& request, PosesMethod method) {
   if (request.model.empty()) return default_camera_teacher(method).model;
-  const CameraTeacher* const named = find_camera_teacher(request.model);
-  if (named && named->method == method) return request.model;
-  throw_usage(request.model + " is no network of --method " + method,
-              named ? "with it goes --method " + named->method : "see `aligngs poses --help` for the weights");
+  const Teacher* const named = find_camera_teacher(request.model);
+  if (named && method_of(*named) == method) return request.model;
+  throw_usage(fmt::format("{} is no network of --method {}", request.model, word_of(method)),
+              named ? fmt::format("with it goes --method {}", word_of(method_of(*named)))
+                    : "see `aligngs poses --help` for the weights");
 }
 
 /// Options of one method go with no other.
-void require_options_of(const std::string& method, const CameraRequest& request) {
-  if (!request.cameras.empty() && method != "given")
+void require_options_of(PosesMethod method, const CameraRequest& request) {
+  if (!request.cameras.empty() && method != PosesMethod::kGiven)
     throw_usage("--cameras goes with --method given", "add --method given, or leave --cameras out");
-  if (request.camera_from_rays && method != "da3")
+  if (request.camera_from_rays && method != PosesMethod::kDa3)
     throw_usage("--camera-from-rays goes with --method da3", "add --method da3, or leave --camera-from-rays out");
-  if (request.metric_model == kMetricNetwork && method != "da3")
+  if (request.metres == MetresChoice::kNetwork && method != PosesMethod::kDa3)
     throw_usage("--metres goes with --method da3", "add --method da3, or leave --metres out");
 }
 
 CameraChoice choice_of(const CameraRequest& request, const ModelStore& store) {
-  if (request.method == "colmap") return {"colmap", "", "the program COLMAP finds the cameras", false};
-  if (request.method == "given") return {"given", "", "the cameras are given", false};
-  if (request.method != "auto") {
+  if (request.method == PosesMethod::kColmap)
+    return {PosesMethod::kColmap, "", "the program COLMAP finds the cameras", false};
+  if (request.method == PosesMethod::kGiven) return {PosesMethod::kGiven, "", "the cameras are given", false};
+  if (request.method != PosesMethod::kAuto) {
     const std::string model = weights_of_method(request, request.method);
     return {request.method, model, model + " finds the cameras, as asked for", false};
   }
-  if (!request.cameras.empty()) return {"given", "", "the cameras are given", false};
-  if (request.model.empty() && (request.camera_from_rays || request.metric_model == kMetricNetwork)) {
-    const std::string& model = default_camera_teacher("da3").model;
-    return {"da3", model, model + " finds the cameras: an option asks for da3", false};
+  if (!request.cameras.empty()) return {PosesMethod::kGiven, "", "the cameras are given", false};
+  if (request.model.empty() && (request.camera_from_rays || request.metres == MetresChoice::kNetwork)) {
+    const std::string model = default_camera_teacher(PosesMethod::kDa3).model;
+    return {PosesMethod::kDa3, model, model + " finds the cameras: an option asks for da3", false};
   }
   if (!request.model.empty()) {
-    const CameraTeacher* const named = find_camera_teacher(request.model);
+    const Teacher* const named = find_camera_teacher(request.model);
     if (!named) throw_usage(request.model + " finds no cameras", "see `aligngs poses --help` for the weights");
-    return {named->method, request.model, request.model + " finds the cameras, as asked for", false};
+    return {method_of(*named), request.model, request.model + " finds the cameras, as asked for", false};
   }
-  const CameraTeacher* const best = installed_camera_teacher(store);
+  const Teacher* const best = installed_camera_teacher(store);
   if (!best) throw_no_camera_network();
-  return {best->method, best->model, "cameras by " + best->model + ": " + best->reason, true};
+  return {method_of(*best), best->model, fmt::format("cameras by {}: {}", best->model, best->cameras.reason), true};
 }
 
 }  // namespace
+
+PosesMethod poses_method(const std::string& word) {
+  if (const std::optional<PosesMethod> method = choice_named<PosesMethod>(word)) return *method;
+  throw_usage("\"" + word + "\" is no method that finds cameras", "see `aligngs poses --help` for the methods");
+}
 
 CameraChoice choose_cameras(const CameraRequest& request, const ModelStore& store) {
   CameraChoice choice = choice_of(request, store);
@@ -80,7 +85,7 @@ const PublishedModel* installed_camera_network(const CameraRequest& request, con
   if (is_camera_network_method(request.method))
     model = weights_of_method(request, request.method);
   else if (model.empty()) {
-    const CameraTeacher* const best = installed_camera_teacher(store);
+    const Teacher* const best = installed_camera_teacher(store);
     if (!best) return nullptr;
     model = best->model;
   }

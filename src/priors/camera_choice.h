@@ -4,24 +4,27 @@
 #include <string>
 
 #include "priors/model_store.h"
+#include "priors/poses_method.h"
 
 namespace aligngs {
 
-/// Words of the command line.
 struct CameraRequest {
-  std::string method = "auto";  ///< auto, a method of a network (teacher_list.h), colmap or given
-  std::string model;            ///< weights of the network; empty: see choose_cameras()
-  std::string cameras;          ///< given: a COLMAP model or transforms.json; empty: the one beside the photos
-  std::string metric_model = "auto";
+  PosesMethod method = PosesMethod::kAuto;
+  std::string model;    ///< weights of the network; empty: see choose_cameras()
+  std::string cameras;  ///< given: a COLMAP model or transforms.json; empty: the one beside the photos
+  MetresChoice metres = MetresChoice::kAuto;
   bool camera_from_rays = false;
 };
 
 struct CameraChoice {
-  std::string method;   ///< never "auto"
-  std::string model;    ///< of a network; else empty
-  std::string reason;   ///< one sentence without a final stop
-  bool chosen = false;  ///< "auto" took the network, among those that are installed
+  PosesMethod method = PosesMethod::kAuto;  ///< another once it is made
+  std::string model;                        ///< of a network; else empty
+  std::string reason;                       ///< one sentence without a final stop
+  bool chosen = false;                      ///< "auto" took the network, among those that are installed
 };
+
+/// The method of a word of "--method". Error{kUsage} for another word.
+PosesMethod poses_method(const std::string& word);
 
 /// "auto" is given where cameras are named. Else it is the method of the named weights or of an option that only one
 /// method has. Else it is that of the first installed network of camera_teachers(). Error{kWeights} where there is

@@ -137,10 +137,10 @@ void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inp
   nn::fill_da3_sky(inputs.metric);
 }
 
-Da3Views predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
-                           Da3Inputs inputs, const ViewPredictionOptions& options) {
+PredictedViews predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
+                                 Da3Inputs inputs, const ViewPredictionOptions& options) {
   const std::vector<nn::FeatureMap> images = network_images(inputs);
-  Da3Views out;
+  PredictedViews out;
   std::vector<PredictedView>& views = out.views;
   views.resize(photos.size());
   std::vector<double> log_metres;

@@ -35,15 +35,10 @@ void add_da3_metric_memory(MemoryBudget& budget, const nn::Weights& weights, nn:
 void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs,
                       const ProgressStyle& style);
 
-struct Da3Views {
-  std::vector<PredictedView> views;
-  std::optional<MetresEstimate> metres;  ///< by inputs.metric: depth and translations are in metres, sky has no depth
-};
-
-/// Depth and translations are in units of the network, which are arbitrary, unless inputs.metric tells the metres.
-/// Error{kFailed} when a predicted camera is impossible, naming the photo.
-Da3Views predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
-                           Da3Inputs inputs, const ViewPredictionOptions& options);
+/// Depth and translations are in units of the network, which are arbitrary, unless inputs.metric tells the metres. Then
+/// sky has no depth. Error{kFailed} when a predicted camera is impossible, naming the photo.
+PredictedViews predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
+                                 Da3Inputs inputs, const ViewPredictionOptions& options);
 
 /// Depth for views whose cameras are known (at the size of the photos). The network reads the cameras. Its depth is
 /// scaled to their units by least squares over the centres. The cameras stay as they are. Error{kFailed} when the

@@ -155,16 +155,18 @@ PublishedModel lpips() {
   return model;
 }
 
-/// Depth Anything 3. `repository`: on Hugging Face; large and giant are not for commercial use.
-PublishedModel da3(const std::string& name, const std::string& repository, const std::string& purpose, uint64_t bytes,
-                   bool exact, const std::string& probe) {
+enum class Da3Terms { kFree, kNonCommercial };
+
+/// Depth Anything 3. `repository`: on Hugging Face.
+PublishedModel da3(const std::string& name, const std::string& repository, Da3Terms terms, const std::string& purpose,
+                   uint64_t bytes, bool exact, const std::string& probe) {
   const std::string page = "https://huggingface.co/depth-anything/" + repository;
-  const bool commercial = name != "da3-large" && name != "da3-giant";
   PublishedModel model;
   model.name = name;
   model.purpose = purpose;
-  model.licence = {commercial ? "Apache-2.0" : "CC-BY-NC-4.0", page, commercial ? "" : "non-commercial use only", false,
-                   commercial};
+  model.licence = {"Apache-2.0", page, "", false};
+  if (terms == Da3Terms::kNonCommercial)
+    model.licence = {"CC-BY-NC-4.0", page, "non-commercial use only", false, false};
   model.files = {{"model.safetensors",
                   page + "/resolve/main/model.safetensors",
                   "depth-anything/" + repository,
@@ -180,12 +182,14 @@ PublishedModel da3(const std::string& name, const std::string& repository, const
 void add_da3(std::vector<PublishedModel>& models) {
   const std::string cameras = "cameras and depth from photos alone (Depth Anything 3, ";
   const std::string any = "model.cam_dec.fc_t.weight", sky = "model.head.scratch.sky_output_conv2.0.weight";
-  models.push_back(da3("da3-small", "DA3-SMALL", cameras + "Small)", 137248940, false, any));
-  models.push_back(da3("da3-base", "DA3-BASE", cameras + "Base)", 541518028, false, any));
-  models.push_back(da3("da3-large", "DA3-LARGE-1.1", cameras + "Large)", 1643843860, true, any));
-  models.push_back(da3("da3-giant", "DA3-GIANT-1.1", cameras + "Giant)", 4600 * kMegabyte, false, any));
-  models.push_back(da3("da3metric-large", "DA3METRIC-LARGE", "metric depth and sky of one photo (Depth Anything 3)",
-                       1336734448, true, sky));
+  models.push_back(da3("da3-small", "DA3-SMALL", Da3Terms::kFree, cameras + "Small)", 137248940, false, any));
+  models.push_back(da3("da3-base", "DA3-BASE", Da3Terms::kFree, cameras + "Base)", 541518028, false, any));
+  models.push_back(
+      da3("da3-large", "DA3-LARGE-1.1", Da3Terms::kNonCommercial, cameras + "Large)", 1643843860, true, any));
+  models.push_back(
+      da3("da3-giant", "DA3-GIANT-1.1", Da3Terms::kNonCommercial, cameras + "Giant)", 4600 * kMegabyte, false, any));
+  models.push_back(da3("da3metric-large", "DA3METRIC-LARGE", Da3Terms::kFree,
+                       "metric depth and sky of one photo (Depth Anything 3)", 1336734448, true, sky));
 }
 
 PublishedModel eomt(const std::string& name, const std::string& repository, const std::string& purpose,

@@ -1,6 +1,7 @@
 // A network's prediction for a photo, in the photo's own pixels: a camera, dense depth and its confidence.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/image.h"
@@ -8,6 +9,7 @@
 #include "nn/network_camera.h"
 #include "nn/preprocess/image_placement.h"
 #include "nn/tensor.h"
+#include "priors/metres_estimate.h"
 #include "priors/photo_folder.h"
 #include "scene/camera.h"
 
@@ -17,6 +19,12 @@ struct PredictedView {
   Camera camera;      ///< at the size of the photo; the first view's pose is the identity
   ImageF depth;       ///< scene units (arbitrary), aspect of the photo; 0: outside of the network's view
   ImageF confidence;  ///< 1 (none) upwards, same size; 0 where depth is
+};
+
+/// All photos by one network.
+struct PredictedViews {
+  std::vector<PredictedView> views;
+  std::optional<MetresEstimate> metres;  ///< where depth and translations are in metres
 };
 
 struct ViewPredictionOptions {

@@ -7,13 +7,12 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "core/memory_budget.h"
 #include "io/image_file.h"
 #include "io/resample.h"
 #include "nn/preprocess/pillow_resize.h"
 #include "nn/weights.h"
-#include "priors/da3_prediction.h"
-#include "priors/vggt_prediction.h"
+#include "priors/camera_teacher.h"
+#include "priors/teacher_list.h"
 #include "scene/depth_cloud.h"
 #include "scene/photo_mask.h"
 #include "scene/scene_writer.h"
@@ -73,70 +72,15 @@ PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<P
   return fuse_depth_cloud(cloud_views, options, pool).cloud;
 }
 
-void require_memory(const MemoryBudget& budget, const char* network, size_t photos) {
-  log_info("memory for {} on {} photos:\n{}", network, photos, budget.table());
-  budget.require(network, "use fewer photos, or --method colmap");
-}
-
-std::vector<PredictedView> views_by_vggt(const std::vector<Photo>& photos, const nn::Weights& weights,
-                                         const ScenePhotosOptions& options, ThreadPool& pool) {
-  VggtInputs inputs = vggt_inputs(photos, pool);
-  MemoryBudget budget(options.memory_limit);
-  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
-  require_memory(budget, "VGGT", photos.size());
-  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-  const nn::Vggt network(compute, weights);
-  const bool camera_to_world = options.model == "lingbot-map";
-  return predict_vggt_views(compute, network, photos, std::move(inputs),
-                            {options.shared_focal, options.progress, camera_to_world});
-}
-
-/// The network that tells metres; null where none is wanted or installed. Reports the second.
-const PublishedModel* metric_model(const ModelStore& store, const ScenePhotosOptions& options) {
-  if (options.metric_model.empty()) return nullptr;
-  const PublishedModel& model = published_model(options.metric_model);
-  if (options.metric_model_needed) store.require(model);
-  if (store.installed(model)) return &model;
-  log_info("units are arbitrary: metres need one more network (aligngs models download {}, {})", model.name,
-           format_bytes(download_bytes(model)));
-  return nullptr;
-}
-
-/// Before the other network is loaded, so that the two never lie in memory together.
-void add_metres(nn::Compute& compute, const nn::Weights& weights, Da3Inputs& inputs,
-                const ScenePhotosOptions& options) {
-  MemoryBudget budget(options.memory_limit);
-  add_da3_metric_memory(budget, weights, options.precision, inputs.images.size(), inputs.images[0].width,
-                        inputs.images[0].height);
-  require_memory(budget, "the metric network", inputs.images.size());
-  add_metric_depth(compute, nn::Da3Metric(compute, weights), inputs, options.progress);
-}
-
-Da3Views views_by_da3(const std::vector<Photo>& photos, const nn::Weights& weights, const ModelStore& store,
-                      const ScenePhotosOptions& options, ThreadPool& pool) {
-  const PublishedModel* const metric = metric_model(store, options);
-  Da3Inputs inputs = da3_inputs(photos, pool);
-  MemoryBudget budget(options.memory_limit);
-  add_da3_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
-  require_memory(budget, "Depth Anything 3", photos.size());
-  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-  if (metric) add_metres(compute, nn::Weights::open(store.require(*metric).at(0)), inputs, options);
-  const nn::Da3 network(compute, weights);
-  return predict_da3_views(compute, network, photos, std::move(inputs),
-                           {options.shared_focal, options.progress, false, options.camera_from_rays});
-}
-
 }  // namespace
 
 void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,
                       const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
   const PublishedModel& model = published_model(options.model);
   const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
-  Da3Views predicted;
-  if (options.method == PosesMethod::kDa3)
-    predicted = views_by_da3(photos, weights, store, options, pool);
-  else
-    predicted.views = views_by_vggt(photos, weights, options, pool);
+  const Teacher* const teacher = find_camera_teacher(options.model);
+  if (!teacher) throw_usage(options.model + " finds no cameras", "see `aligngs poses --help` for the weights");
+  PredictedViews predicted = teacher->cameras.family->find_views(photos, weights, *teacher, store, options, pool);
   std::vector<PredictedView>& views = predicted.views;
   drop_unsure_depth(views, options.drop_percent);
   drop_masked_depth(views, photos);
@@ -165,10 +109,10 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
   parts.description.source = "photos, cameras and depth by " + model.name;
   if (const auto& metres = predicted.metres) {
     parts.description.metric = true;
-    parts.description.units_estimate = {options.metric_model, metres->spread, int(metres->photos)};
+    parts.description.units_estimate = {kMetricModel, metres->spread, int(metres->photos)};
     report.metres = metres;
     log_info("metres are an estimate of {}: {:.4f} m per unit of the cameras, {} photos spread by {:.1f} %",
-             options.metric_model, metres->scale, metres->photos, 100 * metres->spread);
+             kMetricModel, metres->scale, metres->photos, 100 * metres->spread);
   }
   const LocatedModelFile located = *store.find(model, model.files[0]);
   parts.priors.depth = PriorJson{model.name,

@@ -16,6 +16,7 @@
 #include "io/text_encoding.h"
 #include "priors/given_poses.h"
 #include "priors/scene_by_network.h"
+#include "priors/teacher_list.h"
 #include "priors/video_frames.h"
 #include "scene/import/import_capture.h"
 #include "scene/photo_lookup.h"
@@ -200,21 +201,15 @@ CheckedPhotos check_folder(const fs::path& folder, const fs::path& source, const
   const PhotoList& listed = checked.listed;
   const size_t found = listed.photos.size() + (given ? listed.left_out.size() : 0);
   if (given) checked.cameras = find_given_cameras(listed.folder, options.cameras);
-  if (!uses_network(options.method) && found < kFewestPlaced) {
+  if (!is_camera_network_method(options.method) && found < kFewestPlaced) {
     throw_bad_input(source, "", fmt::format("{} photos are too few", found),
-                    fmt::format("take at least {}, or use --method vggt or da3", kFewestPlaced));
+                    fmt::format("take at least {}, or use --method {}", kFewestPlaced, camera_method_words(" or ")));
   }
   require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict && !given, "photos");
   return checked;
 }
 
 }  // namespace
-
-PosesMethod poses_method(const std::string& name) {
-  if (name == "da3") return PosesMethod::kDa3;
-  if (name == "colmap") return PosesMethod::kColmap;
-  return name == "given" ? PosesMethod::kGiven : PosesMethod::kVggt;
-}
 
 CheckedPhotos check_photos(const fs::path& source, const fs::path& scene, const ModelStore& store,
                            const ScenePhotosOptions& options) {
@@ -224,7 +219,7 @@ CheckedPhotos check_photos(const fs::path& source, const fs::path& scene, const 
     throw_usage("--method given needs the photos that the cameras were found for, not a video",
                 "give the folder of these photos, or another --method");
   }
-  if (uses_network(options.method)) store.require(published_model(options.model));
+  if (is_camera_network_method(options.method)) store.require(published_model(options.model));
   CheckedPhotos checked;
   if (video)
     require_readable_video(source);
@@ -251,16 +246,16 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
   report.photos = listed.photos.size() + listed.left_out.size();
   report.unplaced = listed.left_out;
   if (options.method == PosesMethod::kGiven) {
-    report.method = "given";
+    report.method = word_of(options.method);
     scene_by_given_poses(source, checked.cameras, listed, scene, options, pool, report);
   } else {
     if (!work) work.emplace(scene);
     const std::vector<Photo> photos = prepare_photos(listed.photos, work->path() / "images", options.max_side, pool);
-    if (uses_network(options.method)) {
+    if (is_camera_network_method(options.method)) {
       report.method = options.model;
       scene_by_network(photos, scene, store, options, pool, report);
     } else {
-      report.method = "colmap";
+      report.method = word_of(options.method);
       scene_by_colmap(source, photos, *work, scene, options, pool, report);
     }
   }

@@ -12,37 +12,27 @@
 #include "priors/metres_estimate.h"
 #include "priors/model_store.h"
 #include "priors/photo_folder.h"
+#include "priors/poses_method.h"
 #include "priors/predicted_view.h"
 
 namespace aligngs {
 
-enum class PosesMethod { kVggt, kDa3, kColmap, kGiven };
-
-/// Whether a network finds the cameras.
-inline bool uses_network(PosesMethod method) { return method == PosesMethod::kVggt || method == PosesMethod::kDa3; }
-
-/// The method of "--method": vggt, da3, colmap or given.
-PosesMethod poses_method(const std::string& name);
-
 struct ScenePhotosOptions {
-  PosesMethod method = PosesMethod::kVggt;
-  int max_side = 1600;   ///< pixels; larger photos are shrunk, as 3DGS' tools do
-  int test_every = 0;    ///< every n-th photo is kept for testing; 0: all train
-  int video_views = 40;  ///< frames to take of a video, at most
+  PosesMethod method = PosesMethod::kVggt;  ///< never kAuto
+  int max_side = 1600;                      ///< pixels; larger photos are shrunk, as 3DGS' tools do
+  int test_every = 0;                       ///< every n-th photo is kept for testing; 0: all train
+  int video_views = 40;                     ///< frames to take of a video, at most
   bool overwrite = false;
   /// a photo that cannot be used, or without a camera, is Error{kBadInput} instead of being left out
   bool strict = false;
 
-  // VGGT and Depth Anything 3.
-  std::string model = "vggt-1b";              ///< name of the weights, of the method's network
+  // Networks for cameras.
+  std::string model;  ///< name of the weights, of the method's network; unused by a method without one
   double drop_percent = kUnsureDepthPercent;  ///< depth of the lowest confidence that is not used, percent of all
   bool shared_focal = false;
-  bool camera_from_rays = false;  ///< Depth Anything 3
-  /// Depth Anything 3: name of the network that tells metres; empty: none. With metric_model_needed false it is left
-  /// out where its weights are not installed.
-  std::string metric_model = "da3metric-large";
-  bool metric_model_needed = false;
-  size_t max_points = 250000;  ///< of the cloud
+  bool camera_from_rays = false;              ///< Depth Anything 3
+  MetresChoice metres = MetresChoice::kAuto;  ///< Depth Anything 3: the network kMetricModel beside it
+  size_t max_points = 250000;                 ///< of the cloud
   nn::Precision precision = nn::Precision::kBfloat16;
   nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
   uint64_t memory_limit = 0;           ///< bytes; 0: 80 % of what is free

@@ -92,9 +92,9 @@ TEST_F(FromPhotos, AMetricNetworkThatIsAskedForMustBeThere) {
   install_da3();
   options.method = PosesMethod::kDa3;
   options.model = "da3-base";
-  options.metric_model_needed = true;
+  options.metres = MetresChoice::kNetwork;
   EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { make(); }), HasSubstr("aligngs models download da3metric-large"));
-  options.metric_model.clear();
+  options.metres = MetresChoice::kNone;
   make();
   EXPECT_FALSE(open_scene(folder / "scene").metric);
 }

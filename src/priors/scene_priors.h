@@ -35,28 +35,14 @@ struct ScenePriorsReport {
   size_t segments = 0;  ///< of all photos
 };
 
-/// The model of a word of teacher_list.h. Error{kUsage} for another word.
-const PublishedModel& semantic_model(const std::string& choice);
-const PublishedModel& depth_model(const std::string& choice);
-
-/// The words above that name a network, in the order in which "auto" prefers them: whole networks first, then heads
-/// from large to small backbones. The head that reads more layers of one backbone is first. Networks for non-commercial
-/// use come last.
-const std::vector<std::string>& semantic_choices();
-const std::vector<std::string>& depth_choices();
-
-/// The first of those that are installed; null: none.
-const PublishedModel* installed_semantic_model(const ModelStore& store);
-const PublishedModel* installed_depth_model(const ModelStore& store);
-
 /// Memory of a network for depth or cameras and of what it makes of `photos` (pixels), item by item. Reads the headers
 /// of its weight files only. Error{kWeights} when they are missing, Error{kUsage} for another network.
 void add_depth_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
                       const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options);
 
-/// Writes pred_depths/<view>.npy (float16) and priors.json. Depth of VGGT has the network's own
-/// scale (DepthScale::kOwn); that of the others is in metres. Training lays both on the scene.
-/// Error{kUsage} when other priors are there and overwrite is not set.
+/// Writes pred_depths/<view>.npy (float16) and priors.json with the scale of the network's design (depth_teacher.h).
+/// VGGT has one of its own, Depth Anything 3 that of the cameras, and heads on DINOv2 give metres. Training lays the
+/// first and the last on the scene. Error{kUsage} when other priors are there and overwrite is not set.
 ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store, const PublishedModel& model,
                              const ScenePriorsOptions& options);
 

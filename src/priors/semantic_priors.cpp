@@ -8,6 +8,7 @@
 #include "priors/prior_files.h"
 #include "priors/scene_priors.h"
 #include "priors/semantic_teacher.h"
+#include "priors/teacher_list.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_json.h"
 
@@ -48,8 +49,9 @@ ScenePriorsReport fill_semantics(const std::filesystem::path& folder, const Mode
   MemoryBudget budget(options.memory_limit);
   add_semantic_memory(budget, store, model, options.augment, sizes_of_training_photos(scene),
                       {options.precision, pool.size()});
-  budget.require(model.name, model.name == "ade20k-linear-s"
-                                 ? "give it more memory with --memory, or leave classes out: --semantics none"
+  const Teacher* const row = find_teacher(model.name);
+  budget.require(model.name, row && *row->lighter != '\0'
+                                 ? row->lighter
                                  : "use a light network (--semantics linear-s), or more memory with --memory");
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const std::unique_ptr<SemanticTeacher> teacher =

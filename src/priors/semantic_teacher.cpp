@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numeric>
-#include <optional>
 
 #include "core/error.h"
 #include "nn/bn_head.h"
@@ -12,6 +10,7 @@
 #include "nn/eomt/semantic.h"
 #include "nn/lingbot.h"
 #include "nn/mask2former.h"
+#include "priors/teacher_list.h"
 
 namespace aligngs {
 namespace {
@@ -87,27 +86,6 @@ class LingbotTeacher : public SemanticTeacher {
 
  private:
   nn::LingbotNetwork network_;
-};
-
-/// One network of a family, in the store.
-struct TeacherFiles {
-  std::filesystem::path file;                     ///< its own weights
-  std::optional<std::filesystem::path> backbone;  ///< of a head
-};
-
-using Plan = nn::SegmentationPlan (*)(bool augment);
-using AddMemory = void (*)(MemoryBudget&, const TeacherFiles&, const nn::SegmentationPlan&,
-                           const std::vector<NetworkInput>& photos, const NetworkMemoryOptions&);
-using Load = std::unique_ptr<SemanticTeacher> (*)(nn::Compute&, const TeacherFiles&, const nn::SegmentationPlan&,
-                                                  int mask2former_heads);
-
-/// Networks of one design.
-struct TeacherFamily {
-  const char* begins;  ///< names of its models
-  Plan plan;           ///< of the windows; unused by a network that takes the photo as a whole
-  AddMemory add_memory;
-  Load load;
-  bool segments = false;  ///< tells things of one class apart
 };
 
 nn::SegmentationPlan linear_plan(bool) { return nn::linear_plan(); }
@@ -193,17 +171,9 @@ std::unique_ptr<SemanticTeacher> load_head(nn::Compute& compute, const TeacherFi
       plan, SemanticKind::kLogits);
 }
 
-constexpr TeacherFamily kTeacherFamilies[] = {{"eomt-l-panoptic", linear_plan, add_panoptic, load_panoptic, true},
-                                              {"eomt-", linear_plan, add_eomt, load_eomt},
-                                              {"lingbot-", linear_plan, add_lingbot, load_lingbot},
-                                              {"ade20k-m2f", mask2former_plan, add_mask2former, load_mask2former},
-                                              {"ade20k-ms", nn::multi_scale_plan, add_head, load_head},
-                                              {"ade20k-linear", linear_plan, add_head, load_head}};
-
-const TeacherFamily& teacher_family(const PublishedModel& model) {
-  for (const TeacherFamily& family : kTeacherFamilies) {
-    if (model.name.rfind(family.begins, 0) == 0) return family;
-  }
+const SemanticFamily& semantic_family(const PublishedModel& model) {
+  const Teacher* const row = find_teacher(model.name);
+  if (row && row->classes) return *row->classes;
   throw_usage(model.name + " is no network for classes", "see `aligngs priors --help` for the names");
 }
 
@@ -214,6 +184,13 @@ TeacherFiles files_of(const ModelStore& store, const PublishedModel& model) {
 }
 
 }  // namespace
+
+const SemanticFamily kMask2FormerClasses = {mask2former_plan, add_mask2former, load_mask2former};
+const SemanticFamily kEomtClasses = {linear_plan, add_eomt, load_eomt};
+const SemanticFamily kPanopticClasses = {linear_plan, add_panoptic, load_panoptic, true};
+const SemanticFamily kLingbotClasses = {linear_plan, add_lingbot, load_lingbot};
+const SemanticFamily kMultiScaleClasses = {nn::multi_scale_plan, add_head, load_head};
+const SemanticFamily kLinearClasses = {linear_plan, add_head, load_head};
 
 std::optional<SegmentMap> SemanticTeacher::segments(nn::Compute&, const Image<uint8_t>&) const { return std::nullopt; }
 
@@ -249,21 +226,21 @@ TeacherMapSize SemanticTeacher::map_size(int photo_width, int photo_height) cons
 }
 
 nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment) {
-  return teacher_family(model).plan(augment);
+  return semantic_family(model).plan(augment);
 }
 
-bool makes_segments(const PublishedModel& model) { return teacher_family(model).segments; }
+bool makes_segments(const PublishedModel& model) { return semantic_family(model).segments; }
 
 void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model, bool augment,
                          const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
-  const TeacherFamily& family = teacher_family(model);
+  const SemanticFamily& family = semantic_family(model);
   family.add_memory(budget, files_of(store, model), family.plan(augment), photos, options);
 }
 
 std::unique_ptr<SemanticTeacher> load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
                                                        const PublishedModel& model, bool augment,
                                                        int mask2former_heads) {
-  const TeacherFamily& family = teacher_family(model);
+  const SemanticFamily& family = semantic_family(model);
   return family.load(compute, files_of(store, model), family.plan(augment), mask2former_heads);
 }
 

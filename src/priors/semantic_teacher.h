@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "nn/eomt/panoptic.h"
 #include "nn/segmentation.h"
@@ -37,6 +39,30 @@ class SemanticTeacher {
   /// Mask2Former and EoMT decide at 1/4.
   TeacherMapSize map_size(int photo_width, int photo_height) const;
 };
+
+/// One network of a design, in the store.
+struct TeacherFiles {
+  std::filesystem::path file;                     ///< its own weights
+  std::optional<std::filesystem::path> backbone;  ///< of a head
+};
+
+/// Networks of one design, as the rows of priors/teacher_list.h name them.
+struct SemanticFamily {
+  /// The windows; unused by a network that takes the photo as a whole.
+  nn::SegmentationPlan (*plan)(bool augment);
+  void (*add_memory)(MemoryBudget&, const TeacherFiles&, const nn::SegmentationPlan&,
+                     const std::vector<NetworkInput>& photos, const NetworkMemoryOptions&);
+  std::unique_ptr<SemanticTeacher> (*load)(nn::Compute&, const TeacherFiles&, const nn::SegmentationPlan&,
+                                           int mask2former_heads);
+  bool segments = false;  ///< tells things of one class apart
+};
+
+extern const SemanticFamily kMask2FormerClasses;  ///< ViT-Adapter with Mask2Former
+extern const SemanticFamily kEomtClasses;
+extern const SemanticFamily kPanopticClasses;  ///< EoMT, things one by one
+extern const SemanticFamily kLingbotClasses;
+extern const SemanticFamily kMultiScaleClasses;  ///< DINOv2 with a head on four layers
+extern const SemanticFamily kLinearClasses;      ///< DINOv2 with a linear head
 
 /// Numbers the segments of a panoptic map within their classes. Error{kFailed} for more things of a class than the file
 /// can hold.

@@ -1,134 +1,147 @@
 #include "priors/teacher_list.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/error.h"
-#include "priors/scene_priors.h"
+#include "priors/camera_teacher.h"
+#include "priors/depth_teacher.h"
+#include "priors/model_sets.h"
+#include "priors/semantic_teacher.h"
 
 namespace aligngs {
 namespace {
 
-const PublishedModel& model_of_word(const std::vector<TeacherWord>& teachers, const std::string& word) {
-  for (const TeacherWord& teacher : teachers) {
-    if (teacher.word == word) return published_model(teacher.model);
-  }
-  throw_usage("\"" + word + "\" is no network that aligngs knows", "see `aligngs priors --help` for the names");
+constexpr const char* kIsLight = "is light";
+
+/// A network for cameras that brings depth as well.
+Teacher whole(const char* model, const char* word, const DepthFamily& depth, const CameraRole& cameras,
+              const char* short_form = "", bool automatic = true) {
+  return {.model = model,
+          .word = word,
+          .short_form = short_form,
+          .automatic = automatic,
+          .depth = &depth,
+          .cameras = cameras};
 }
 
-std::vector<std::string> automatic_words(const std::vector<TeacherWord>& teachers) {
-  std::vector<std::string> words;
-  for (const TeacherWord& teacher : teachers) {
-    if (teacher.automatic) words.push_back(teacher.word);
-  }
-  return words;
+Teacher depth_head(const char* model, const char* word, const char* short_form = "") {
+  return {.model = model, .word = word, .short_form = short_form, .depth = &kDepthHeads};
 }
 
-const PublishedModel* first_installed(const std::vector<TeacherWord>& teachers, const ModelStore& store) {
-  for (const TeacherWord& teacher : teachers) {
-    if (!teacher.automatic) continue;
-    if (const PublishedModel& model = published_model(teacher.model); store.installed(model)) return &model;
-  }
-  return nullptr;
-}
-
-}  // namespace
-
-const std::vector<TeacherWord>& semantic_teachers() {
-  static const std::vector<TeacherWord> teachers = {{"m2f", "ade20k-m2f", true},
-                                                    {"eomt-l", "eomt-l", true},
-                                                    {"eomt-panoptic", "eomt-l-panoptic", true},
-                                                    {"ms-g", "ade20k-ms-g", true},
-                                                    {"linear-g", "ade20k-linear-g", true},
-                                                    {"ms-l", "ade20k-ms-l", true},
-                                                    {"linear-l", "ade20k-linear-l", true},
-                                                    {"ms-b", "ade20k-ms-b", true},
-                                                    {"linear-b", "ade20k-linear-b", true},
-                                                    {"lingbot-s", "lingbot-s", true},
-                                                    {"ms-s", "ade20k-ms-s", true},
-                                                    {"linear-s", "ade20k-linear-s", true},
-                                                    {"eomt-l-panoptic", "eomt-l-panoptic", false},
-                                                    {"ms", "ade20k-ms-s", false},
-                                                    {"linear", "ade20k-linear-s", false}};
-  return teachers;
-}
-
-const std::vector<TeacherWord>& depth_teachers() {
-  static const std::vector<TeacherWord> teachers = {{"vggt-commercial", "vggt-1b-commercial", true},
-                                                    {"da3-base", "da3-base", true},
-                                                    {"da3-small", "da3-small", true},
-                                                    {"dpt-g", "nyu-dpt-g", true},
-                                                    {"linear-g", "nyu-linear4-g", true},
-                                                    {"dpt-l", "nyu-dpt-l", true},
-                                                    {"linear-l", "nyu-linear4-l", true},
-                                                    {"dpt-b", "nyu-dpt-b", true},
-                                                    {"linear-b", "nyu-linear4-b", true},
-                                                    {"dpt-s", "nyu-dpt-s", true},
-                                                    {"linear-s", "nyu-linear4-s", true},
-                                                    {"vggt", "vggt-1b", true},
-                                                    {"da3", "da3-base", false},
-                                                    {"da3-large", "da3-large", false},
-                                                    {"da3-giant", "da3-giant", false},
-                                                    {"dpt", "nyu-dpt-s", false},
-                                                    {"linear", "nyu-linear4-s", false}};
-  return teachers;
+Teacher classes(const char* model, const char* word, const SemanticFamily& family, const char* note = "",
+                const char* short_form = "") {
+  return {.model = model, .word = word, .short_form = short_form, .note = note, .classes = &family};
 }
 
 // AUC at 30 degrees: mean over 19 data sets, by the publishers of the benchmark. The commercial weights are of the same
 // network as VGGT-1B; their own figure is not published.
-const std::vector<CameraTeacher>& camera_teachers() {
-  const auto row = [](const char* model, const char* method, const char* reason, bool method_default = false) {
-    return CameraTeacher{{model, model, true}, method, reason, method_default};
+std::vector<Teacher> make_teachers() {
+  std::vector<Teacher> rows = {
+      whole("vggt-1b-commercial", "vggt-commercial", kVggtDepth,
+            {&kVggtCameras, "the most accurate cameras (pose AUC 0.70) with commercial use allowed"}),
+      whole("da3-base", "da3-base", kDa3Depth,
+            {&kDa3Cameras, "free to use, pose AUC 0.57 with a ninth of the arithmetic", true}, "da3"),
+      whole("da3-small", "da3-small", kDa3Depth, {&kDa3Cameras, "free to use, pose AUC 0.48, the smallest"}),
+      depth_head("nyu-dpt-g", "dpt-g"),
+      depth_head("nyu-linear4-g", "linear-g"),
+      depth_head("nyu-dpt-l", "dpt-l"),
+      depth_head("nyu-linear4-l", "linear-l"),
+      depth_head("nyu-dpt-b", "dpt-b"),
+      depth_head("nyu-linear4-b", "linear-b"),
+      depth_head("nyu-dpt-s", "dpt-s", "dpt"),
+      depth_head("nyu-linear4-s", "linear-s", "linear"),
+      whole("lingbot-map", "", kVggtDepth,
+            {&kVggtCameras, "no published accuracy, and its provenance is an open question", false, true}),
+      whole("vggt-1b", "vggt", kVggtDepth, {&kVggtCameras, "pose AUC 0.70, non-commercial use only", true}),
+      whole("da3-giant", "da3-giant", kDa3Depth, {&kDa3Cameras, "non-commercial use only"}, "", false),
+      whole("da3-large", "da3-large", kDa3Depth, {&kDa3Cameras, "non-commercial use only"}, "", false),
+      classes("ade20k-m2f", "m2f", kMask2FormerClasses, "is the method's"),
+      classes("eomt-l", "eomt-l", kEomtClasses),
+      classes("eomt-l-panoptic", "eomt-panoptic", kPanopticClasses, "also makes segments", "eomt-l-panoptic"),
+      classes("ade20k-ms-g", "ms-g", kMultiScaleClasses),
+      classes("ade20k-linear-g", "linear-g", kLinearClasses),
+      classes("ade20k-ms-l", "ms-l", kMultiScaleClasses),
+      classes("ade20k-linear-l", "linear-l", kLinearClasses),
+      classes("ade20k-ms-b", "ms-b", kMultiScaleClasses),
+      classes("ade20k-linear-b", "linear-b", kLinearClasses, kIsLight),
+      classes("lingbot-s", "lingbot-s", kLingbotClasses, kIsLight),
+      classes("ade20k-ms-s", "ms-s", kMultiScaleClasses, "", "ms"),
+      classes("ade20k-linear-s", "linear-s", kLinearClasses, kIsLight, "linear"),
   };
-  static const std::vector<CameraTeacher> teachers = {
-      row("vggt-1b-commercial", "vggt", "the most accurate cameras (pose AUC 0.70) with commercial use allowed"),
-      row("da3-base", "da3", "free to use, pose AUC 0.57 with a ninth of the arithmetic", true),
-      row("da3-small", "da3", "free to use, pose AUC 0.48, the smallest"),
-      row("lingbot-map", "vggt", "no published accuracy, and its provenance is an open question"),
-      row("vggt-1b", "vggt", "pose AUC 0.70, non-commercial use only", true),
-      row("da3-giant", "da3", "non-commercial use only"),
-      row("da3-large", "da3", "non-commercial use only"),
-  };
-  return teachers;
+  rows.back().lighter = "give it more memory with --memory, or leave classes out: --semantics none";
+  return rows;
 }
 
-const CameraTeacher* find_camera_teacher(const std::string& model) {
-  const auto& teachers = camera_teachers();
-  const auto found = std::find_if(teachers.begin(), teachers.end(), [&](const auto& t) { return t.model == model; });
-  return found == teachers.end() ? nullptr : &*found;
-}
-
-const std::vector<std::string>& camera_network_methods() {
-  static const std::vector<std::string> methods = [] {
-    std::vector<std::string> found;
-    for (const CameraTeacher& teacher : camera_teachers()) {
-      if (std::find(found.begin(), found.end(), teacher.method) == found.end()) found.push_back(teacher.method);
-    }
-    return found;
-  }();
-  return methods;
-}
-
-bool is_camera_network_method(const std::string& method) {
-  const std::vector<std::string>& methods = camera_network_methods();
-  return std::find(methods.begin(), methods.end(), method) != methods.end();
-}
-
-const CameraTeacher& default_camera_teacher(const std::string& method) {
-  for (const CameraTeacher& teacher : camera_teachers()) {
-    if (teacher.method == method && teacher.method_default) return teacher;
+template <class Wanted>
+Teachers rows_where(Wanted wanted) {
+  Teachers rows;
+  for (const Teacher& teacher : teachers()) {
+    if (wanted(teacher)) rows.push_back(&teacher);
   }
-  throw_usage("--method " + method + " is no network", "see `aligngs poses --help` for the methods");
+  return rows;
 }
 
-const CameraTeacher* installed_camera_teacher(const ModelStore& store) {
-  for (const CameraTeacher& teacher : camera_teachers()) {
-    if (store.installed(published_model(teacher.model))) return &teacher;
+const Teacher& row_of_word(const Teachers& rows, const std::string& word) {
+  for (const Teacher* teacher : rows) {
+    if (!word.empty() && (word == teacher->word || word == teacher->short_form)) return *teacher;
+  }
+  throw_usage("\"" + word + "\" is no network that aligngs knows", "see `aligngs priors --help` for the names");
+}
+
+std::vector<std::string> automatic_words(const Teachers& rows) {
+  std::vector<std::string> words;
+  for (const Teacher* teacher : rows) {
+    if (teacher->automatic) words.emplace_back(teacher->word);
+  }
+  return words;
+}
+
+const PublishedModel* first_installed(const Teachers& rows, const ModelStore& store) {
+  for (const Teacher* teacher : rows) {
+    if (!teacher->automatic) continue;
+    if (const PublishedModel& model = published_model(teacher->model); store.installed(model)) return &model;
   }
   return nullptr;
 }
 
-const PublishedModel& semantic_model(const std::string& choice) { return model_of_word(semantic_teachers(), choice); }
-const PublishedModel& depth_model(const std::string& choice) { return model_of_word(depth_teachers(), choice); }
+PriorChoice prior_choice(const Teachers& rows, const std::string& word) {
+  if (word == "auto") return {};
+  if (word == "none") return {PriorChoice::Kind::kNone, nullptr};
+  return {PriorChoice::Kind::kNetwork, &row_of_word(rows, word)};
+}
+
+}  // namespace
+
+const std::vector<Teacher>& teachers() {
+  static const std::vector<Teacher> rows = make_teachers();
+  return rows;
+}
+
+const Teacher* find_teacher(const std::string& model) {
+  const auto& rows = teachers();
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Teacher& row) { return row.model == model; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+const Teachers& semantic_teachers() {
+  static const Teachers rows = rows_where([](const Teacher& row) { return row.classes != nullptr; });
+  return rows;
+}
+const Teachers& depth_teachers() {
+  static const Teachers rows = rows_where([](const Teacher& row) { return row.depth && *row.word != '\0'; });
+  return rows;
+}
+const Teachers& camera_teachers() {
+  static const Teachers rows = rows_where([](const Teacher& row) { return row.cameras.family != nullptr; });
+  return rows;
+}
+
+const Teacher& semantic_teacher(const std::string& word) { return row_of_word(semantic_teachers(), word); }
+const Teacher& depth_teacher(const std::string& word) { return row_of_word(depth_teachers(), word); }
+const PublishedModel& semantic_model(const std::string& word) { return published_model(semantic_teacher(word).model); }
+const PublishedModel& depth_model(const std::string& word) { return published_model(depth_teacher(word).model); }
 
 const std::vector<std::string>& semantic_choices() {
   static const std::vector<std::string> words = automatic_words(semantic_teachers());
@@ -139,11 +152,79 @@ const std::vector<std::string>& depth_choices() {
   return words;
 }
 
+std::string notes_in_help(const Teachers& rows) {
+  std::string notes;
+  for (const Teacher* teacher : rows) {
+    if (*teacher->note == '\0') continue;
+    notes += fmt::format("{}{} {}", notes.empty() ? "" : ", ", teacher->word, teacher->note);
+  }
+  return notes;
+}
+
 const PublishedModel* installed_semantic_model(const ModelStore& store) {
   return first_installed(semantic_teachers(), store);
 }
 const PublishedModel* installed_depth_model(const ModelStore& store) {
   return first_installed(depth_teachers(), store);
+}
+const Teacher* installed_camera_teacher(const ModelStore& store) {
+  for (const Teacher* teacher : camera_teachers()) {
+    if (store.installed(published_model(teacher->model))) return teacher;
+  }
+  return nullptr;
+}
+
+std::vector<const PublishedModel*> suggested_semantic_models() {
+  std::vector<const PublishedModel*> found;
+  for (const char* set : {"recommended", "light"}) {
+    for (const std::string& model : find_model_set(set)->models) {
+      const Teacher* const row = find_teacher(model);
+      if (row && row->classes) found.push_back(&published_model(model));
+    }
+  }
+  return found;
+}
+
+PriorChoice semantic_choice(const std::string& word) { return prior_choice(semantic_teachers(), word); }
+PriorChoice depth_choice(const std::string& word) { return prior_choice(depth_teachers(), word); }
+
+const Teacher* find_camera_teacher(const std::string& model) {
+  const Teacher* const row = find_teacher(model);
+  return row && row->cameras.family ? row : nullptr;
+}
+
+PosesMethod method_of(const Teacher& camera_teacher) { return camera_teacher.cameras.family->method; }
+
+const std::vector<PosesMethod>& camera_network_methods() {
+  static const std::vector<PosesMethod> methods = [] {
+    std::vector<PosesMethod> found;
+    for (const Teacher* teacher : camera_teachers()) {
+      if (std::find(found.begin(), found.end(), method_of(*teacher)) == found.end())
+        found.push_back(method_of(*teacher));
+    }
+    return found;
+  }();
+  return methods;
+}
+
+std::string camera_method_words(const char* between) {
+  std::string words;
+  for (const PosesMethod method : camera_network_methods())
+    words += (words.empty() ? "" : between) + std::string(word_of(method));
+  return words;
+}
+
+bool is_camera_network_method(PosesMethod method) {
+  const std::vector<PosesMethod>& methods = camera_network_methods();
+  return std::find(methods.begin(), methods.end(), method) != methods.end();
+}
+
+const Teacher& default_camera_teacher(PosesMethod method) {
+  for (const Teacher* teacher : camera_teachers()) {
+    if (method_of(*teacher) == method && teacher->cameras.method_default) return *teacher;
+  }
+  throw_usage("--method " + std::string(word_of(method)) + " is no network",
+              "see `aligngs poses --help` for the methods");
 }
 
 }  // namespace aligngs

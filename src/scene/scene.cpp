@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <set>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -64,6 +66,18 @@ bool all_have(const Scene& scene, fs::path View::*map) {
          std::all_of(scene.train.begin(), scene.train.end(), [&](int i) { return !(scene.views[i].*map).empty(); });
 }
 
+/// Said once for a file, as a run opens its scene more than once.
+void warn_of_assumed_scale(const fs::path& file) {
+  static std::mutex mutex;
+  static std::set<fs::path> told;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (!told.insert(file).second) return;
+  log_warning(
+      "{}: depth.scale is missing: every view's depth is taken to have an unknown scale of its own (per_view); write "
+      "\"scale\": \"scene\", \"metres\", \"own\" or \"per_view\"",
+      file.string());
+}
+
 }  // namespace
 
 bool is_sensor_depth(const std::string& prior_source) {
@@ -101,6 +115,7 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   if (priors.depth) scene.prior_source = priors.depth->model;
   scene.depth_scale = depth_scale_of(priors, description.refined);
   scene.depth_scale_stated = priors.depth_scale.has_value();
+  if (assumes_depth_scale(priors, description.refined)) warn_of_assumed_scale(folder / "priors.json");
   if (priors.semantics) scene.semantic_source = priors.semantics->model;
   scene.semantic_kind = priors.kind.value_or(SemanticKind::kLogits);
   scene.semantic_kind_stated = priors.kind.has_value();

@@ -1,7 +1,6 @@
 #include "scene/scene_json.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -155,16 +154,20 @@ const char* name_of(DepthScale scale) {
 
 DepthScale depth_scale_of(const PriorsJson& priors, bool refined) {
   if (priors.depth_scale) return *priors.depth_scale;
+  if (assumes_depth_scale(priors, refined)) return DepthScale::kPerView;
   if (!priors.depth || refined) return DepthScale::kScene;
   const auto units = priors.depth->settings.find("units");
-  if (units != priors.depth->settings.end() && units->second == "arbitrary") return DepthScale::kOwn;
-  if (units != priors.depth->settings.end() && units->second == "metres") return DepthScale::kMetres;
-  std::string name = priors.depth->model;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const char* monocular : {"dpt", "mono", "midas", "dinov2", "depth-anything-v2", "relative"}) {
-    if (name.find(monocular) != std::string::npos) return DepthScale::kPerView;
-  }
-  return DepthScale::kScene;
+  if (units == priors.depth->settings.end()) return DepthScale::kScene;
+  if (units->second == "arbitrary") return DepthScale::kOwn;
+  return units->second == "metres" ? DepthScale::kMetres : DepthScale::kScene;
+}
+
+bool assumes_depth_scale(const PriorsJson& priors, bool refined) {
+  if (priors.depth_scale || !priors.depth || refined) return false;
+  const std::string& model = priors.depth->model;
+  if (is_sensor_depth(model) || model == kStereoDepth) return false;
+  const auto units = priors.depth->settings.find("units");
+  return units == priors.depth->settings.end() || (units->second != "arbitrary" && units->second != "metres");
 }
 
 SceneJson read_scene_json(const std::filesystem::path& path) {

@@ -73,8 +73,11 @@ const char* name_of(SemanticKind kind);
 const char* name_of(DepthScale scale);
 
 /// Scale of prior depth: as priors.json states it. Older files state it by depth.settings.units, which `aligngs priors`
-/// wrote ("arbitrary": own, "metres": metres). Else the model's name decides: names of monocular networks mean
-/// per_view. All others, and depth that `aligngs refine` corrected, are in scene units.
+/// wrote ("arbitrary": own, "metres": metres). Depth that `aligngs refine` corrected, that of a sensor and measured
+/// depth are in scene units, and so is depth that the file does not mention. All other depth is per_view, which
+/// assumes least.
 DepthScale depth_scale_of(const PriorsJson& priors, bool refined);
+/// Whether depth_scale_of() has to assume: the file mentions depth of a network, and says neither scale nor units.
+bool assumes_depth_scale(const PriorsJson& priors, bool refined);
 
 }  // namespace aligngs

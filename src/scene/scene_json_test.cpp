@@ -89,22 +89,38 @@ TEST(SceneJson, EveryDepthScaleHasANameThatReadsBack) {
   }
 }
 
-TEST(SceneJson, OlderFilesSayTheScaleOfDepthByUnitsOrName) {
-  const auto scale_of = [](const std::string& model, const std::string& units, bool refined = false) {
-    PriorsJson priors;
-    priors.depth = PriorJson{model, "", {}};
-    if (!units.empty()) priors.depth->settings["units"] = units;
-    return depth_scale_of(priors, refined);
-  };
-  EXPECT_EQ(scale_of("nyu-dpt-b", "metres"), DepthScale::kMetres);
-  EXPECT_EQ(scale_of("nyu-linear4-b", "metres"), DepthScale::kMetres) << "as the other head of the same network";
-  EXPECT_EQ(scale_of("vggt-1b", "arbitrary"), DepthScale::kOwn);
-  EXPECT_EQ(scale_of("vggt-1b", ""), DepthScale::kScene) << "made with the scene's cameras";
-  EXPECT_EQ(scale_of("vggt-1b", "arbitrary", true), DepthScale::kScene) << "corrected with the scene's cameras";
-  EXPECT_EQ(scale_of("DINOv2 DPT head, NYU", ""), DepthScale::kPerView);
-  EXPECT_EQ(scale_of("MiDaS", ""), DepthScale::kPerView);
-  EXPECT_EQ(scale_of("sensor", ""), DepthScale::kScene);
+/// The depth entry of a file that states no scale.
+PriorsJson depth_without_scale(const std::string& model, const std::string& units = "") {
+  PriorsJson priors;
+  priors.depth = PriorJson{model, "", {}};
+  if (!units.empty()) priors.depth->settings["units"] = units;
+  return priors;
+}
+
+TEST(SceneJson, OlderFilesSayTheScaleOfDepthByUnits) {
+  EXPECT_EQ(depth_scale_of(depth_without_scale("nyu-dpt-b", "metres"), false), DepthScale::kMetres);
+  EXPECT_EQ(depth_scale_of(depth_without_scale("nyu-linear4-b", "metres"), false), DepthScale::kMetres);
+  EXPECT_EQ(depth_scale_of(depth_without_scale("vggt-1b", "arbitrary"), false), DepthScale::kOwn);
+  EXPECT_EQ(depth_scale_of(depth_without_scale("vggt-1b", "arbitrary"), true), DepthScale::kScene)
+      << "corrected with the scene's cameras";
+}
+
+TEST(SceneJson, DepthOfNoStatedScaleIsPerViewWhateverTheNameOfItsNetwork) {
+  for (const char* model : {"DINOv2 DPT head, NYU", "MiDaS", "vggt-1b", "somebody's network", ""}) {
+    EXPECT_EQ(depth_scale_of(depth_without_scale(model), false), DepthScale::kPerView) << model;
+    EXPECT_TRUE(assumes_depth_scale(depth_without_scale(model), false)) << model;
+    EXPECT_FALSE(assumes_depth_scale(depth_without_scale(model), true)) << model;
+    EXPECT_FALSE(assumes_depth_scale(depth_without_scale(model, "metres"), false)) << model;
+  }
+}
+
+TEST(SceneJson, DepthThatNoNetworkMadeIsInSceneUnits) {
+  for (const char* model : {kSensorDepth, kSimulatedSensorDepth, kStereoDepth}) {
+    EXPECT_EQ(depth_scale_of(depth_without_scale(model), false), DepthScale::kScene) << model;
+    EXPECT_FALSE(assumes_depth_scale(depth_without_scale(model), false)) << model;
+  }
   EXPECT_EQ(depth_scale_of({}, false), DepthScale::kScene);
+  EXPECT_FALSE(assumes_depth_scale({}, false));
 }
 
 TEST(SceneJson, AStatedScaleWinsOverUnitsAndName) {

@@ -116,8 +116,7 @@ Json EditService::stack() {
                        {"gaussians", object.gaussians},
                        {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
   }
-  Json formats = formats_of_run(s.folder());
-  if (!s.room().gaussians.has_labels()) formats.erase(std::find(formats.begin(), formats.end(), "labels.ply"));
+  const Json formats = formats_of_run(s.folder(), s.room().gaussians.has_labels());
   return {{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", formats}};
 }
 
@@ -191,7 +190,7 @@ std::string EditService::export_file(const std::string& request) {
   const bool chosen = parse_json(request).contains("without");
   const Json asked = chosen ? text_fields(request, {"format", "without"}) : text_fields(request, {"format"});
   const std::string format = asked["format"].get<std::string>();
-  require_export_format(format, run_export_formats());
+  run_export_row(format);  // before the run is opened
   EditSession& open = session();
   std::unique_lock<std::mutex> turn;
   if (options_.drawing != nullptr) turn = std::unique_lock(*options_.drawing);
@@ -201,7 +200,7 @@ std::string EditService::export_file(const std::string& request) {
 }
 
 std::string EditService::estimate(const std::string& request) {
-  if (text_fields(request, {"format"})["format"] != "html")
+  if (run_export_row(text_fields(request, {"format"})["format"].get<std::string>()).kind != ExportKind::kPage)
     throw_usage("only html tells its size before it is written");
   const HtmlSize size = estimate_html_export(session());
   return json_line(Json{{"page", size.page},

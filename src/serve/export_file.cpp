@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <string_view>
 
 #include "core/error.h"
 #include "edit/export/aligned_room.h"
@@ -16,21 +15,35 @@
 
 namespace aligngs {
 
-const std::vector<std::string>& run_export_formats() {
-  static const std::vector<std::string> formats = [] {
-    std::vector<std::string> all = export_formats();
-    all.push_back("html");
-    all.insert(all.end(), plan_formats().begin(), plan_formats().end());
+const std::vector<RunExportFormat>& run_export_rows() {
+  static const std::vector<RunExportFormat> rows = [] {
+    std::vector<RunExportFormat> all;
+    for (const ExportFormat& room : export_format_rows())
+      all.push_back({room.name, room.help, ExportKind::kRoom, &room});
+    all.push_back({"html", "one page that opens without a server, with the room inside", ExportKind::kPage});
+    for (const PlanFormat& plan : plan_format_rows())
+      all.push_back({plan.name, plan.help, ExportKind::kPlan, nullptr, &plan});
     return all;
   }();
-  return formats;
+  return rows;
+}
+
+const std::vector<std::string>& run_export_formats() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const RunExportFormat& format : run_export_rows()) all.emplace_back(format.name);
+    return all;
+  }();
+  return names;
+}
+
+const RunExportFormat& run_export_row(const std::string& name) {
+  require_export_format(name, run_export_formats());
+  const auto& rows = run_export_rows();
+  return *std::find_if(rows.begin(), rows.end(), [&](const RunExportFormat& row) { return row.name == name; });
 }
 
 namespace {
-
-bool is_plan(const std::string& format) {
-  return std::find(plan_formats().begin(), plan_formats().end(), format) != plan_formats().end();
-}
 
 /// RUN/room.json.
 std::optional<MeasuredRoom> room_of(const std::filesystem::path& run) {
@@ -38,29 +51,21 @@ std::optional<MeasuredRoom> room_of(const std::filesystem::path& run) {
   return std::filesystem::exists(file) ? std::optional(read_room(file)) : std::nullopt;
 }
 
-/// scene.ply and scene.labels.ply are the run's own.
-std::string default_name(const std::string& format, bool edited) {
-  if (is_plan(format)) return format;
-  const bool own = format == "ply" || format == "labels.ply";
-  return (edited ? "scene.edited." : own ? "scene.export." : "scene.") + format;
-}
-
-/// How files of a format begin, where all that this program writes begin alike; else empty.
-std::string_view beginning_of(const std::string& format) {
-  if (format == "obj") return "# aligngs ";
-  if (format == "usda") return "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs ";
-  return {};
+std::string default_name(const RunExportFormat& format, bool edited) {
+  if (format.plan) return format.name;
+  const bool of_run = format.room && format.room->of_run;
+  return std::string(edited ? "scene.edited." : of_run ? "scene.export." : "scene.") + format.name;
 }
 
 /// Error{kUsage} where the file or one beside it would replace a file of the run, or of somebody else.
-void require_free(const EditSession& session, const std::string& format, const std::filesystem::path& file,
+void require_free(const EditSession& session, const RunExportFormat& format, const std::filesystem::path& file,
                   bool textured) {
   const RunFolder run(session.folder());
   const std::filesystem::path& scene = session.scene().folder;
-  run.require_not_of_run(file, scene, beginning_of(format));
-  if (!textured) return;
-  run.require_not_of_run(texture_beside(file), scene);
-  if (format == "obj") run.require_not_of_run(material_beside(file), scene, kMaterialBeginning);
+  run.require_not_of_run(file, scene, format.room ? format.room->beginning : "");
+  if (!textured || !format.room) return;
+  for (const ExportBeside& beside : format.room->beside)
+    run.require_not_of_run(beside.path(file), scene, beside.beginning);
 }
 
 /// Scene units.
@@ -116,29 +121,33 @@ void refuse_missing_room(const std::filesystem::path& run) {
                   "make it with: aligngs room " + run.string());
 }
 
-std::vector<std::string> formats_of_run(const std::filesystem::path& run) {
-  std::vector<std::string> formats = run_export_formats();
-  if (!std::filesystem::exists(run / "room.json")) std::erase_if(formats, is_plan);
+std::vector<std::string> formats_of_run(const std::filesystem::path& run, bool labels) {
+  const bool room = std::filesystem::exists(run / "room.json");
+  std::vector<std::string> formats;
+  for (const RunExportFormat& format : run_export_rows()) {
+    const bool possible = (room || !format.plan) && (labels || !format.room || !format.room->needs_labels);
+    if (possible) formats.emplace_back(format.name);
+  }
   return formats;
 }
 
-RunExport export_run(EditSession& session, const std::string& format, const RunExportOptions& options) {
-  require_export_format(format, run_export_formats());
+RunExport export_run(EditSession& session, const std::string& name, const RunExportOptions& options) {
+  const RunExportFormat& format = run_export_row(name);
   RunExport out;
   out.edits = options.original ? 0 : session.stack().size();
   out.file = !options.file.empty() ? options.file : session.folder() / (default_name(format, out.edits > 0));
-  require_free(session, format, out.file, options.textured && (format == "obj" || format == "usda"));
-  const bool moves = options.coordinates == ExportCoordinates::kRoom && format != "html";
-  const std::optional<MeasuredRoom> measured = moves || is_plan(format) ? room_of(session.folder()) : std::nullopt;
-  if (is_plan(format)) {
+  require_free(session, format, out.file, options.textured);
+  const bool moves = options.coordinates == ExportCoordinates::kRoom && format.kind != ExportKind::kPage;
+  const std::optional<MeasuredRoom> measured = moves || format.plan ? room_of(session.folder()) : std::nullopt;
+  if (format.plan) {
     if (!measured) refuse_missing_room(session.folder());
-    write_plan(out.file, format, *measured);
+    write_plan(out.file, *format.plan, *measured);
     out.report = {.files = {out.file}, .objects = measured->boxes.size()};
     return out;
   }
   const ChosenRoom chosen(session, options);
   const EditableRoom& room = chosen.room();
-  if (format == "html") {
+  if (format.kind == ExportKind::kPage) {
     const HtmlParts parts = html_parts(session, options, chosen);
     const HtmlReport written = write_html(out.file, parts, html_info(session), session.pool());
     out.before = parts.before != nullptr;
@@ -160,8 +169,7 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
     elsewhere = aligned(without_row_names(room), measured->to_room);
     to = export_frame(measured->to_room);
   } else if (original_world) {
-    OffsetRoom original =
-        in_original_coordinates(without_row_names(room), *original_world, scene_json, holds_mesh(format));
+    OffsetRoom original = in_original_coordinates(without_row_names(room), *original_world, scene_json, format.mesh());
     elsewhere = std::move(original.room);
     offset = original.offset;
     to = *original_world;
@@ -177,13 +185,14 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   parts.mesh.error = options.error > 0 ? options.error * millimetre(session) * to.scale : 0;
   parts.mesh.closed = options.closed;
   parts.mesh.texture_size = options.texture_size;
-  if ((options.textured || format == "usdz") && !room.mesh.empty() && options.parts != RoomParts::kSplats) {
+  const bool textured = options.textured || format.room->texture == ExportTexture::kAlways;
+  if (textured && !room.mesh.empty() && options.parts != RoomParts::kSplats) {
     parts.mesh.photos = [&session, to] {
       return moved(load_texture_photos(session.scene(), session.original().mesh, session.pool()), to);
     };
     if (!parts.mesh.simplified()) parts.mesh.triangles = kTexturedTriangles;
   }
-  out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);
+  out.report = export_room(elsewhere ? *elsewhere : room, name, out.file, session.pool(), parts);
   return out;
 }
 

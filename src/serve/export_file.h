@@ -1,4 +1,4 @@
-// Exports of a run by format name: those of the edits module and the self-contained page.
+// Exports of a run by format name: those of the edits module, the self-contained page, and the floor plans.
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,38 @@
 
 #include "edit/edit_session.h"
 #include "edit/export/scene_export.h"
+#include "room/plan/plan_files.h"
 #include "serve/html_export.h"
 
 namespace aligngs {
 
-/// export_formats() of a room, then "html" and the plans: "plan.svg", "plan.dxf", "plan.pdf".
+/// The making of a file.
+enum class ExportKind {
+  kRoom,  ///< splats and mesh, for other programs
+  kPage,  ///< the page with the room inside
+  kPlan   ///< drawn from room.json
+};
+
+/// A format of `aligngs export` as a row.
+struct RunExportFormat {
+  const char* name;
+  const char* help;  ///< what the file has, one line
+  ExportKind kind;
+  const ExportFormat* room = nullptr;  ///< of kRoom
+  const PlanFormat* plan = nullptr;    ///< of kPlan
+
+  /// A page holds both.
+  bool splats() const { return kind == ExportKind::kPage || (room && room->splats); }
+  bool mesh() const { return kind == ExportKind::kPage || (room && room->mesh); }
+};
+/// The formats of a room, then the page, then the plans.
+const std::vector<RunExportFormat>& run_export_rows();
+/// Their names.
 const std::vector<std::string>& run_export_formats();
-/// Those that a run can have: plans where it has room.json.
-std::vector<std::string> formats_of_run(const std::filesystem::path& run);
+/// The row of a name. Error{kUsage} with a suggestion where there is none.
+const RunExportFormat& run_export_row(const std::string& format);
+/// The names of those that a run can have: plans where it has room.json, labels where its Gaussians have them.
+std::vector<std::string> formats_of_run(const std::filesystem::path& run, bool labels);
 
 /// Error{kBadInput} always: the run has no room.json. The remedy is `aligngs room`.
 [[noreturn]] void refuse_missing_room(const std::filesystem::path& run);

@@ -46,7 +46,8 @@ TEST(TrainingSet, UseOfPriorDepthFollowsTheSetting) {
   told.data.prior_depth = PriorDepthUse::kRelative;
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kRelative);
   told.data.prior_depth = PriorDepthUse::kMetric;
-  scene.depth_scale = DepthScale::kPerView;  // by its name alone
+  scene.depth_scale = DepthScale::kPerView;
+  scene.depth_scale_stated = false;  // it is assumed
   EXPECT_EQ(decide_prior_use(scene, told).placement.count(PlacedBy::kCameras), scene.train.size());
   told.data.prior_depth = PriorDepthUse::kNone;
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kNone);

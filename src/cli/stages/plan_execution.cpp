@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "cli/device_option.h"
 #include "cli/photo_options.h"
 #include "cli/stages/pipeline.h"
 #include "cli/stages/refine_stage.h"
@@ -118,8 +117,8 @@ class ScenePreparation {
 
   ScenePriorsOptions network_options() const {
     ScenePriorsOptions fill;
-    fill.precision = precision_of(options_.precision);
-    put_networks_on(options_.device, options_.precision, false, fill);
+    fill.precision = options_.precision;
+    fill.make_device = options_.make_device;
     fill.drop_percent = options_.photos.drop_percent;
     fill.memory_limit = request_.train.memory_limit;
     fill.threads = context_.global.threads;
@@ -143,10 +142,10 @@ RunMetrics execute_plan(const RunPlan& plan, const RunRequest& request, const Pl
                         const ModelStore& store, const CommandContext& context) {
   TrainOptions train = request.train;
   ScenePreparation preparation(plan, request, options, store, context);
-  train.labels_unwanted = request.priors.semantics == "none";
+  train.labels_unwanted = request.priors.semantics.none();
   train.scene = preparation.prepare();
   train.camera_note = preparation.camera_note();
-  return run_pipeline(plan, train, context, fusion_of_device(options.device));
+  return run_pipeline(plan, train, context, options.make_fusion_device);
 }
 
 }  // namespace aligngs

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 #include "cli/command.h"
+#include "cli/stages/mesh_stage.h"
 #include "metrics/run_metrics.h"
 #include "pipeline/run_plan.h"
 
 namespace aligngs {
 
 struct PlanExecutionOptions {
-  std::string device = "auto";     ///< of networks and of fusion
-  std::string precision = "auto";  ///< of networks, as a person says it
-  ScenePhotosOptions photos;       ///< of the cameras that the plan chose; unused without photos
-  std::function<void()> synth;     ///< makes the synthetic scene; unused without that step
+  nn::Precision precision = nn::Precision::kBfloat16;  ///< of networks for depth and classes
+  nn::DeviceFactory make_device = {};                  ///< where these run; empty: the processor
+  TsdfDeviceFactory make_fusion_device = {};           ///< the same for fusion
+  ScenePhotosOptions photos;                           ///< of the cameras that the plan chose; unused without photos
+  std::function<void()> synth;                         ///< makes the synthetic scene; unused without that step
 };
 
 /// Everything that a run makes goes below its own folder: the source is never changed. Steps that an earlier one decides

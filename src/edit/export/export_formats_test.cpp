@@ -20,12 +20,13 @@ TEST(ExportFormats, EveryOneHoldsSomethingUnderANameOfItsOwn) {
   }
 }
 
-TEST(ExportFormats, TheManualHasTheRowsInTheirOrder) {
-  const std::string manual = read_file(std::string(ALIGNGS_SOURCE_DIR) + "/docs/editing.md");
-  std::string table = "| `-f` | content |\n|---|---|\n";
-  for (const ExportFormat& format : export_format_rows())
-    table += std::string("| `") + format.name + "` | " + format.help + " |\n";
-  EXPECT_NE(manual.find(table), std::string::npos) << "docs/editing.md should have:\n" << table;
+TEST(ExportFormats, TexturesAndPartsAreOfFormatsThatHaveThem) {
+  for (const ExportFormat& format : export_format_rows()) {
+    EXPECT_TRUE(format.texture == ExportTexture::kNone || format.mesh) << format.name;
+    EXPECT_TRUE(format.beside.empty() || format.texture != ExportTexture::kNone) << format.name;
+    EXPECT_TRUE(!format.one_part || (format.splats && format.mesh)) << format.name;
+    EXPECT_TRUE(!format.needs_labels || format.splats) << format.name;
+  }
 }
 
 TEST(ExportFormats, AFileNameOfOneIsNotTakenByAnother) {

@@ -53,16 +53,71 @@ const ExportFormat* find_format(const std::string& name) {
 
 const std::vector<ExportFormat>& export_format_rows() {
   static const std::vector<ExportFormat> rows = {
-      {"ply", "splats in the standard layout of 3DGS", true, false, write_ply_export},
-      {"labels.ply", "splats with class, object and confidence", true, false, write_labels_export},
-      {"glb", "a node per object, and the splats", true, true, write_glb},
-      {"collision.glb", "the mesh for physics", false, true, write_collision_glb},
-      {"obj", "the mesh with a group per object", false, true, write_obj},
-      {"sog", "compressed splats of PlayCanvas", true, false, write_sog_export},
-      {"spz", "compressed splats of Niantic", true, false, write_spz_export},
-      {"splat", "splats of 32 bytes each", true, false, write_splat_export},
-      {"usda", "USD with a prim per object: label, splats, mesh and collider", true, true, write_usda},
-      {"usdz", "the mesh with a texture, for phones", false, true, write_usdz}};
+      {.name = "ply",
+       .title = "PLY",
+       .help = "splats in the standard layout of 3DGS",
+       .splats = true,
+       .write = write_ply_export,
+       .of_run = true},
+      {.name = "labels.ply",
+       .title = "PLY",
+       .help = "splats with class, object and confidence",
+       .splats = true,
+       .write = write_labels_export,
+       .needs_labels = true,
+       .of_run = true},
+      {.name = "glb",
+       .title = "GLB",
+       .help = "a node per object, and the splats",
+       .splats = true,
+       .mesh = true,
+       .write = write_glb,
+       .one_part = true,
+       .texture = ExportTexture::kAsked},
+      {.name = "collision.glb",
+       .title = "GLB",
+       .help = "the mesh for physics",
+       .mesh = true,
+       .write = write_collision_glb},
+      {.name = "obj",
+       .title = "OBJ",
+       .help = "the mesh with a group per object",
+       .mesh = true,
+       .write = write_obj,
+       .texture = ExportTexture::kAsked,
+       .beginning = "# aligngs ",
+       .beside = {{texture_beside}, {material_beside, kMaterialBeginning}}},
+      {.name = "sog",
+       .title = "SOG",
+       .help = "compressed splats of PlayCanvas",
+       .splats = true,
+       .write = write_sog_export},
+      {.name = "spz",
+       .title = "SPZ",
+       .help = "compressed splats of Niantic",
+       .splats = true,
+       .write = write_spz_export},
+      {.name = "splat",
+       .title = "splat",
+       .help = "splats of 32 bytes each",
+       .splats = true,
+       .write = write_splat_export},
+      {.name = "usda",
+       .title = "USD",
+       .help = "USD with a prim per object: label, splats, mesh and collider",
+       .splats = true,
+       .mesh = true,
+       .write = write_usda,
+       .one_part = true,
+       .texture = ExportTexture::kAsked,
+       .beginning = "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs ",
+       .beside = {{texture_beside}}},
+      {.name = "usdz",
+       .title = "USD",
+       .help = "the mesh with a texture, for phones",
+       .mesh = true,
+       .write = write_usdz,
+       .texture = ExportTexture::kAlways}};
   return rows;
 }
 
@@ -84,15 +139,6 @@ void require_export_format(const std::string& format, const std::vector<std::str
   }
   throw_usage("there is no export format \"" + format.substr(0, 40) + "\"",
               (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + list);
-}
-
-bool holds_splats(const std::string& name) {
-  const ExportFormat* const format = find_format(name);
-  return !format || format->splats;  // the page has them, a plan is no such file
-}
-bool holds_mesh(const std::string& name) {
-  const ExportFormat* const format = find_format(name);
-  return format && format->mesh;
 }
 
 void ExportReport::describe(const ExportMesh& mesh) {

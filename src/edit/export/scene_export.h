@@ -13,14 +13,29 @@ namespace aligngs {
 
 struct ExportReport;
 
+enum class ExportTexture { kNone, kAsked, kAlways };
+
+/// A file that a format has beside it when its mesh has a texture.
+struct ExportBeside {
+  std::filesystem::path (*path)(const std::filesystem::path& file);
+  const char* beginning = "";  ///< of every such file that this program writes, where they begin alike
+};
+
 /// A format as a row. The choices and the help of `export`, its checks, its messages and the table of docs/editing.md
 /// follow from it.
 struct ExportFormat {
-  const char* name;   ///< of -f, and the ending of the file
-  const char* help;   ///< what the file has, one line
-  bool splats, mesh;  ///< what it can hold
+  const char* name;                   ///< of -f, and the ending of the file
+  const char* title;                  ///< for the README; formats that share one are variants
+  const char* help;                   ///< what the file has, one line
+  bool splats = false, mesh = false;  ///< what it can hold
   ExportReport (*write)(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
                         const ExportOptions& options);
+  bool one_part = false;  ///< it can hold the splats or the mesh alone, where both are there
+  bool needs_labels = false;
+  bool of_run = false;                           ///< a trained run has RUN/scene.NAME of its own
+  ExportTexture texture = ExportTexture::kNone;  ///< of its mesh
+  const char* beginning = "";  ///< of every such file that this program writes, where they begin alike
+  std::vector<ExportBeside> beside = {};
 };
 const std::vector<ExportFormat>& export_format_rows();
 
@@ -39,10 +54,6 @@ struct ExportReport {
 
   void describe(const ExportMesh& mesh);
 };
-
-/// Whether a file of this format can hold splats, or a mesh.
-bool holds_splats(const std::string& format);
-bool holds_mesh(const std::string& format);
 
 /// Writes one format, atomically file by file. Error{kUsage} for an unknown format (with a suggestion) or a mesh format
 /// without a mesh; Error{kBadInput} for "labels.ply" of a room without labels. All other formats need none.

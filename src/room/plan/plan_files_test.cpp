@@ -21,9 +21,11 @@ using testing::HasSubstr;
 using testing_support::output_of;
 using testing_support::runs;
 
-std::string written(const std::string& format) {
-  const fs::path file = fs::path(testing::TempDir()) / ("aligngs_" + format);
-  write_plan(file, format, sample_room::make());
+std::string written(const std::string& name) {
+  const fs::path file = fs::path(testing::TempDir()) / ("aligngs_" + name);
+  for (const PlanFormat& format : plan_format_rows()) {
+    if (format.name == name) write_plan(file, format, sample_room::make());
+  }
   return file.string();
 }
 

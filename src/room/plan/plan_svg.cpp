@@ -87,17 +87,18 @@ std::string plan_svg(const PlanDrawing& drawing, const PlanSettings& settings) {
   return out + "</svg>\n";
 }
 
-const std::vector<std::string>& plan_formats() {
-  static const std::vector<std::string> formats = {"plan.svg", "plan.dxf", "plan.pdf"};
-  return formats;
+const std::vector<PlanFormat>& plan_format_rows() {
+  static const std::vector<PlanFormat> rows = {
+      {"plan.svg", "the floor plan to scale, a page of vectors", plan_svg},
+      {"plan.dxf", "the floor plan in millimetres, for CAD",
+       [](const PlanDrawing& drawing, const PlanSettings&) { return plan_dxf(drawing); }},
+      {"plan.pdf", "the floor plan to scale, a page to print", plan_pdf}};
+  return rows;
 }
 
-void write_plan(const std::filesystem::path& file, const std::string& format, const MeasuredRoom& room,
+void write_plan(const std::filesystem::path& file, const PlanFormat& format, const MeasuredRoom& room,
                 const PlanSettings& settings) {
-  const PlanDrawing drawing = draw_plan(room, settings);
-  write_file_atomically(file, format == "plan.dxf"   ? plan_dxf(drawing)
-                              : format == "plan.pdf" ? plan_pdf(drawing, settings)
-                                                     : plan_svg(drawing, settings));
+  write_file_atomically(file, format.draw(draw_plan(room, settings), settings));
 }
 
 }  // namespace aligngs

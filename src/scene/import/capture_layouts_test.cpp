@@ -1,7 +1,9 @@
 // The rows of the layouts, and what is made from them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "core/error.h"
@@ -22,6 +24,20 @@ TEST(CaptureLayouts, TheManualHasTheRowsInTheirOrder) {
   for (const CaptureLayout& layout : capture_layouts())
     table += std::string("| `") + layout.name + "` | " + layout.title + " | " + layout.files + " |\n";
   EXPECT_NE(manual.find(table + "\n"), std::string::npos) << "docs/formats.md should have:\n" << table;
+}
+
+TEST(CaptureLayouts, TheReadmeNamesThoseThatAreThere) {
+  const std::string readme = read_file(std::string(ALIGNGS_SOURCE_DIR) + "/README.md");
+  const size_t call = readme.find("aligngs import scan -o scene"), begin = readme.find("# ", call) + 2;
+  const size_t end = readme.find(" and others\n", begin);
+  ASSERT_LT(end, readme.find('\n', begin)) << "README.md lists layouts behind its first import";
+  std::stringstream list(readme.substr(begin, end - begin));
+  for (std::string title; std::getline(list, title, ',');) {
+    title.erase(0, title.find_first_not_of(' '));
+    const bool found = std::any_of(capture_layouts().begin(), capture_layouts().end(),
+                                   [&](const auto& layout) { return std::string(layout.title).starts_with(title); });
+    EXPECT_TRUE(found) << "README.md names \"" << title << "\", and no layout has this title";
+  }
 }
 
 TEST(CaptureLayouts, AnUnknownFolderIsToldAllOfThem) {

@@ -109,6 +109,7 @@ inline SceneParts scene_parts() {
   parts.split.train = {{"v0", "v1"}};
   parts.split.test = {{"v2"}};
   parts.priors.depth = PriorJson{"simulated", "", {}};
+  parts.priors.depth_scale = DepthScale::kScene;
   parts.priors.semantics = PriorJson{"simulated", "", {}};
   parts.priors.kind = SemanticKind::kScores;
   parts.labels = three_labels();
