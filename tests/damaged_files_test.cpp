@@ -108,7 +108,7 @@ std::vector<Reader> readers() {
        [] {
          return written([](const fs::path& f) {
            RunRecord record;
-           record.status = "done";
+           record.status = RunStatus::kDone;
            record.scene = "../scene";
            record.left_out = {"a"};
            write_run_record(f, record);

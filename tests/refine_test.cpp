@@ -43,8 +43,8 @@ TEST_F(RefineCommand, WritesASceneThatOpensAndLeavesTheOldOneAlone) {
   const std::string before = read_file(root() / "scene" / "sparse" / "images.bin");
   const ProcessResult result = refine("--json");
   ASSERT_EQ(result.status, 0) << result.err;
-  const nlohmann::json json = parse_json(result.out);
-  EXPECT_TRUE(json["tracks"].is_number());
+  const nlohmann::json printed = parse_json(result.out);
+  EXPECT_TRUE(printed["tracks"].is_number());
   const Scene scene = open_scene(root() / "refined"), old = open_scene(root() / "scene");
   EXPECT_EQ(scene.views.size(), old.views.size());
   EXPECT_EQ(scene.train, old.train);

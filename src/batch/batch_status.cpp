@@ -29,7 +29,7 @@ RoomStatus status_of(const BatchFolder& folder, const Batch& batch, const RoomEn
   const RunFolder run(folder.run(room.name));
   if (run.has_run()) {
     const RunRecord course = read_run_record(run.record());
-    status.stage = course.stage;
+    status.stage = word_of(course.stage);
     status.iterations = course.train.iterations;
   }
   return status;

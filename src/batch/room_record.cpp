@@ -80,7 +80,7 @@ bool run_is_done(const fs::path& run) {
   const fs::path file = RunFolder(run).record();
   if (!is_run_record(file)) return false;
   const RunRecord record = read_run_record(file);
-  return record.status == "done" && record.stage == "done";
+  return record.status == RunStatus::kDone && record.stage == RunStage::kDone;
 }
 
 RoomState settled_state(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record,

@@ -47,8 +47,8 @@ void write_edited_record(const fs::path& path, RunRecord record, const std::stri
                                                             : original.filename().string()},
                 {"edits", edits_json(edits)}};
   write_json(path, extra);
-  record.status = "done";
-  record.stage = "edit";
+  record.status = RunStatus::kDone;
+  record.stage = RunStage::kEdit;
   record.command = command_line;
   record.scene = scene;
   record.updated = record.finished = utc_now();

@@ -220,7 +220,7 @@ TEST_F(RunPlanTest, ARunThatHasBegunKeepsItsScene) {
   scene();
   fs::create_directories(base_ / "run");
   RunRecord record;
-  record.status = "stopped";
+  record.status = RunStatus::kStopped;
   record.scene = relative_scene_path(base_ / "run", request_.source);
   record.train.iterations = 300;
   record.train.iterations_per_second = 2;

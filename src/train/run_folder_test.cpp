@@ -29,7 +29,7 @@ class RunFolderTest : public testing::Test {
     fs::create_directories(run / "checkpoints");
     fs::create_directories(run / "scene" / "images");
     RunRecord record;
-    record.status = "running";
+    record.status = RunStatus::kRunning;
     write_run_record(run / "run.json", record);
     for (const char* name : {"config.toml", "scene.ply", "my notes.txt", "checkpoints/step_000001.safetensors"}) {
       std::ofstream(run / name) << "x";
@@ -150,7 +150,7 @@ TEST_F(RunFolderTest, RecordRoundTripsAndKeepsForeignFields) {
   const fs::path path = base_ / "run.json";
   write_file_atomically(path, R"({"mesh": {"seconds": 3}})");
   RunRecord r;
-  r.status = "running";
+  r.status = RunStatus::kRunning;
   r.command = "aligngs train \xff";  // not UTF-8
   r.scene = "../scene";
   r.warnings = {"no semantics"};
@@ -159,7 +159,7 @@ TEST_F(RunFolderTest, RecordRoundTripsAndKeepsForeignFields) {
   write_run_record(path, r);
   EXPECT_THAT(read_file(path), testing::HasSubstr("\"mesh\""));
   const RunRecord back = read_run_record(path);
-  EXPECT_EQ(back.status, "running");
+  EXPECT_EQ(back.status, RunStatus::kRunning);
   EXPECT_EQ(back.scene, "../scene");
   EXPECT_EQ(back.warnings, r.warnings);
   EXPECT_EQ(back.train.gaussians, 12u);
@@ -173,6 +173,13 @@ TEST_F(RunFolderTest, CountsOfARecordThatAreNoneAreZero) {
   EXPECT_EQ(record.seed, 0);
   EXPECT_EQ(record.train.iterations, 0);
   EXPECT_EQ(record.train.gaussians, 0u);
+}
+
+TEST_F(RunFolderTest, AWordOfARecordThatNobodyKnowsIsUnknown) {
+  const fs::path path = base_ / "run.json";
+  write_file_atomically(path, R"({"status": "dreaming", "stage": "mesh"})");
+  EXPECT_EQ(read_run_record(path).status, RunStatus::kUnknown);
+  EXPECT_EQ(read_run_record(path).stage, RunStage::kMesh);
 }
 
 TEST_F(RunFolderTest, DamagedRecordIsBadInput) {

@@ -60,8 +60,8 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
     if (old.is_object()) json = old;
   }
   json["schema"] = kRecordSchema;
-  json["status"] = r.status;
-  json["stage"] = r.stage;
+  json["status"] = word_of(r.status);
+  json["stage"] = word_of(r.stage);
   json["command"] = r.command;
   json["version"] = r.version;
   json["device"] = r.device;
@@ -104,8 +104,8 @@ RunRecord read_run_record(const fs::path& path) {
   if (!json.is_object())
     throw_bad_input(path, "", "this is no run record", "the file is damaged; start again with --overwrite");
   RunRecord r;
-  r.status = text_of(json, "status");
-  r.stage = text_of(json, "stage");
+  r.status = choice_named<RunStatus>(text_of(json, "status")).value_or(RunStatus::kUnknown);
+  r.stage = choice_named<RunStage>(text_of(json, "stage")).value_or(RunStage::kUnknown);
   r.command = text_of(json, "command");
   r.version = text_of(json, "version");
   r.device = text_of(json, "device");

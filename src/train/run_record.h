@@ -6,11 +6,51 @@
 #include <string>
 #include <vector>
 
+#include "core/choice_words.h"
+
 namespace aligngs {
 
+enum class RunStatus {
+  kUnknown,  ///< the file has none, or a word that this program does not know
+  kRunning,
+  kPaused,
+  kStopped,  ///< by a signal or the page; can be resumed
+  kFailed,
+  kDone
+};
+template <>
+inline constexpr std::array<ChoiceWord<RunStatus>, 6> kChoiceWords<RunStatus> = {{{RunStatus::kUnknown, ""},
+                                                                                  {RunStatus::kRunning, "running"},
+                                                                                  {RunStatus::kPaused, "paused"},
+                                                                                  {RunStatus::kStopped, "stopped"},
+                                                                                  {RunStatus::kFailed, "failed"},
+                                                                                  {RunStatus::kDone, "done"}}};
+
+enum class RunStage {
+  kUnknown,  ///< the file has none, or a word that this program does not know
+  kTrain,
+  kRender,
+  kMesh,
+  kMeasure,
+  kReport,
+  kRoom,
+  kDone,
+  kEdit
+};
+template <>
+inline constexpr std::array<ChoiceWord<RunStage>, 9> kChoiceWords<RunStage> = {{{RunStage::kUnknown, ""},
+                                                                                {RunStage::kTrain, "train"},
+                                                                                {RunStage::kRender, "render"},
+                                                                                {RunStage::kMesh, "mesh"},
+                                                                                {RunStage::kMeasure, "measure"},
+                                                                                {RunStage::kReport, "report"},
+                                                                                {RunStage::kRoom, "room"},
+                                                                                {RunStage::kDone, "done"},
+                                                                                {RunStage::kEdit, "edit"}}};
+
 struct RunRecord {
-  std::string status;   ///< "running", "done", "stopped" (by a signal, can be resumed), "failed"
-  std::string stage;    ///< "check", "prepare", "train", then whatever later stages write
+  RunStatus status{};
+  RunStage stage{};
   std::string command;  ///< the command line as typed
   std::string version;  ///< of the program
   std::string device;

@@ -40,7 +40,7 @@ TEST_F(TrainControl, StopRequestWritesACheckpointAndSaysHowToGoOn) {
     EXPECT_EQ(e.kind(), ErrorKind::kInterrupted);
     EXPECT_THAT(e.details().remedy, HasSubstr("--resume"));
   }
-  EXPECT_EQ(record(o).status, "stopped");
+  EXPECT_EQ(record(o).status, RunStatus::kStopped);
   EXPECT_TRUE(fs::exists(o.run / "checkpoints" / "step_000020.safetensors"));
 }
 
@@ -50,7 +50,7 @@ TEST_F(TrainControl, FlagsStopPauseAndSaveAndTheResultIsTheSame) {
   train_run(whole, plain_engine());
   const TrainOptions o = options("a");
   const RunControl control(o.run);
-  std::string paused_status;
+  RunStatus paused_status{};
   std::thread resume;
   const EngineFactory watched = [&](int) {
     auto engine = std::make_unique<test_train::FakeEngine>();
@@ -62,7 +62,7 @@ TEST_F(TrainControl, FlagsStopPauseAndSaveAndTheResultIsTheSame) {
         control.ask(Flag::kPause);
         control.ask(Flag::kSnapshot);
         resume = std::thread([&] {
-          for (int i = 0; i < 500 && record(o).status != "paused"; ++i)
+          for (int i = 0; i < 500 && record(o).status != RunStatus::kPaused; ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
           paused_status = record(o).status;
           control.withdraw(Flag::kPause);
@@ -75,8 +75,8 @@ TEST_F(TrainControl, FlagsStopPauseAndSaveAndTheResultIsTheSame) {
   };
   EXPECT_EQ(kind_of([&] { train_run(o, watched); }), ErrorKind::kInterrupted);
   resume.join();
-  EXPECT_EQ(paused_status, "paused");
-  EXPECT_EQ(record(o).status, "stopped");
+  EXPECT_EQ(paused_status, RunStatus::kPaused);
+  EXPECT_EQ(record(o).status, RunStatus::kStopped);
   EXPECT_FALSE(control.asked(Flag::kStop)) << "an obeyed flag is gone";
   EXPECT_FALSE(control.active());
   EXPECT_FALSE(fs::exists(o.run / "live")) << "a snapshot ends with its training";

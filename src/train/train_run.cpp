@@ -58,10 +58,10 @@ class Run {
   void require_own_scene() const;
   void prepare_folder();
   TrainResult train();
-  void record_failure(const std::string& status, const std::string& reason) noexcept;
+  void record_failure(RunStatus status, const std::string& reason) noexcept;
 
  private:
-  void record_end(const std::string& status, const std::string& reason);
+  void record_end(RunStatus status, const std::string& reason);
   std::filesystem::path scene_folder() const;
   /// The state to go on from, or that of a new start (`fresh`).
   TrainingState start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh);
@@ -114,8 +114,8 @@ void Run::prepare_folder() {
   folder_.prepare(mode_of(options_));
   if (resolved_.exists && resolved_.record) record_ = *resolved_.record;
   if (record_.started.empty()) record_.started = utc_now();
-  record_.status = "running";
-  record_.stage = "train";
+  record_.status = RunStatus::kRunning;
+  record_.stage = RunStage::kTrain;
   record_.command = options_.command_line;
   record_.version = version();
   record_.seed = config_.train.seed;
@@ -235,7 +235,7 @@ TrainResult Run::train() {
   if (!state.in_scene_file) write_gaussian_ply(folder_.scene_ply(), model);
   write_label_files(folder_.path(), model, in_.scene.labels, labels);
   record_.trained = utc_now();
-  record_end("done", "all iterations done");
+  record_end(RunStatus::kDone, "all iterations done");
   result.iterations = state.iteration;
   result.gaussians = model.size();
   result.seconds = state.seconds;
@@ -245,7 +245,7 @@ TrainResult Run::train() {
 }
 
 /// The reason for which a run ends must reach the caller even when it cannot be written down.
-void Run::record_failure(const std::string& status, const std::string& reason) noexcept {
+void Run::record_failure(RunStatus status, const std::string& reason) noexcept {
   const StopDeferral until_written;
   try {
     record_end(status, reason);
@@ -254,7 +254,7 @@ void Run::record_failure(const std::string& status, const std::string& reason) n
   }
 }
 
-void Run::record_end(const std::string& status, const std::string& reason) {
+void Run::record_end(RunStatus status, const std::string& reason) {
   record_.status = status;
   record_.reason = reason;
   record_.updated = record_.finished = utc_now();
@@ -292,16 +292,17 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
   try {
     return run.train();
   } catch (const Error& error) {
-    run.record_failure(error.kind() == ErrorKind::kInterrupted ? "stopped" : "failed", error.details().message);
+    run.record_failure(error.kind() == ErrorKind::kInterrupted ? RunStatus::kStopped : RunStatus::kFailed,
+                       error.details().message);
     if (error.kind() != ErrorKind::kInterrupted) throw;
     Error::Details details = error.details();
     details.remedy = "resume with: " + resume_command_of(options);
     throw Error(details);
   } catch (const std::bad_alloc&) {
-    run.record_failure("failed", "memory ran out");
+    run.record_failure(RunStatus::kFailed, "memory ran out");
     throw_resources(options.run, "memory ran out although it was budgeted", kMemoryRemedy);
   } catch (const std::exception& error) {
-    run.record_failure("failed", error.what());
+    run.record_failure(RunStatus::kFailed, error.what());
     throw;
   }
 }

@@ -47,7 +47,7 @@ TEST_F(TrainRun, LeavesACompleteRunFolder) {
     EXPECT_TRUE(fs::exists(o.run / name)) << name;
   }
   const RunRecord r = record(o);
-  EXPECT_EQ(r.status, "done");
+  EXPECT_EQ(r.status, RunStatus::kDone);
   EXPECT_EQ(r.scene, "../../scene");
   EXPECT_EQ(r.device, "fake");
   EXPECT_EQ(r.train.iterations, 30);
@@ -91,7 +91,7 @@ TEST_F(TrainRun, RepeatedNonFiniteStepsEndTheRunWithAValidCheckpoint) {
     return engine;
   };
   EXPECT_EQ(kind_of([&] { train_run(o, always); }), ErrorKind::kFailed);
-  EXPECT_EQ(record(o).status, "failed");
+  EXPECT_EQ(record(o).status, RunStatus::kFailed);
   EXPECT_THAT(record(o).reason, HasSubstr("ssim"));
   const std::vector<fs::path> all = list_checkpoints(o.run / "checkpoints");
   ASSERT_FALSE(all.empty());
@@ -110,7 +110,7 @@ TEST_F(TrainRun, ABadTestPhotoIsLeftOutAndSaidUnlessStrict) {
   test_scene::write_text(scene_ / "images" / "v2.png", "no image");
   const TrainOptions o = options("a");
   train_run(o, plain_engine());
-  EXPECT_EQ(record(o).status, "done");
+  EXPECT_EQ(record(o).status, RunStatus::kDone);
   ASSERT_EQ(record(o).left_out.size(), 1u);
 }
 
@@ -157,7 +157,7 @@ TEST_F(TrainRun, ADeviceTooSmallForTheStartIsAResourceErrorBeforeTheFirstStep) {
     EXPECT_THAT(e.what(), HasSubstr("training on fake"));
     EXPECT_THAT(e.details().remedy, HasSubstr("--device cpu"));
   }
-  EXPECT_EQ(record(o).status, "failed");
+  EXPECT_EQ(record(o).status, RunStatus::kFailed);
   EXPECT_FALSE(fs::exists(o.run / "events.ndjson"));
 }
 

@@ -37,7 +37,7 @@ void Trainer::obey() {
   if (control_.asked(RunControl::Flag::kPause)) {
     log_info("paused at iteration {}; remove {} to continue", state_.iteration,
              control_.file(RunControl::Flag::kPause).string());
-    record_.status = "paused";
+    record_.status = RunStatus::kPaused;
     record_.updated = utc_now();
     write_run_record(folder_.record(), record_);
     while (control_.asked(RunControl::Flag::kPause)) {
@@ -47,7 +47,7 @@ void Trainer::obey() {
       if (stop_requested()) stop_here();
       obey_once();
     }
-    record_.status = "running";
+    record_.status = RunStatus::kRunning;
     record_.updated = utc_now();
     write_run_record(folder_.record(), record_);
   }

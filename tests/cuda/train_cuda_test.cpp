@@ -201,7 +201,7 @@ TEST_F(TrainOnCuda, OutOfMemoryInTheMiddleLeavesACheckpointToGoOnFrom) {
   }
   EXPECT_GE(last_step, 4);
   EXPECT_LT(last_step, 12);
-  EXPECT_EQ(record(o).status, "failed");
+  EXPECT_EQ(record(o).status, RunStatus::kFailed);
   train_run(o, engine());
   EXPECT_TRUE(file(o, "scene.ply") == file(whole, "scene.ply"));
 

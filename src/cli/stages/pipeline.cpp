@@ -23,7 +23,7 @@ namespace aligngs {
 namespace {
 
 /// Writes the current stage to run.json, for viewers.
-void enter_stage(const std::filesystem::path& run, const char* stage) {
+void enter_stage(const std::filesystem::path& run, RunStage stage) {
   RunRecord record = read_run_record(run / "run.json");
   record.stage = stage;
   record.updated = utc_now();
@@ -112,14 +112,14 @@ class Products {
 
 struct Product {
   RunStep step;
-  const char* stage;  ///< of run.json, which the page shows
+  RunStage stage;  ///< of run.json, which the page shows
   void (Products::*make)();
 };
-constexpr Product kProducts[] = {{RunStep::kRender, "render", &Products::render},
-                                 {RunStep::kMesh, "mesh", &Products::mesh},
-                                 {RunStep::kEvaluate, "measure", &Products::evaluate},
-                                 {RunStep::kReport, "report", &Products::report},
-                                 {RunStep::kRoom, "room", &Products::room}};
+constexpr Product kProducts[] = {{RunStep::kRender, RunStage::kRender, &Products::render},
+                                 {RunStep::kMesh, RunStage::kMesh, &Products::mesh},
+                                 {RunStep::kEvaluate, RunStage::kMeasure, &Products::evaluate},
+                                 {RunStep::kReport, RunStage::kReport, &Products::report},
+                                 {RunStep::kRoom, RunStage::kRoom, &Products::room}};
 
 /// Returns what was measured.
 RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, std::shared_ptr<const SoftLabels> soft,
@@ -133,7 +133,7 @@ RunMetrics make_products(const RunPlan& plan, const TrainOptions& options, std::
     (products.*product.make)();
   }
   RunRecord record = read_run_record(options.run / "run.json");
-  record.stage = "done";
+  record.stage = RunStage::kDone;
   record.updated = record.finished = utc_now();
   write_run_record(options.run / "run.json", record);
   return products.metrics();
