@@ -12,8 +12,10 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "core/choice_words.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "engine/benchmark/instruction_limit.h"
@@ -234,19 +236,12 @@ void run_layers(nn::Compute& compute) {
   rate(compute, "convolution 3x3, 256 -> 256, 148 x 148", 2.0 * 148 * 148 * 256 * 256 * 9, [&] { conv(compute, map); });
 }
 
-nn::Precision precision_of(const std::string& name) {
-  for (const nn::Precision precision : nn::kPrecisions) {
-    if (name == nn::name_of(precision)) return precision;
-  }
-  throw_usage("unknown precision " + name);
-}
-
-Instructions instructions_of(const std::string& name) {
-  if (name == "all") return Instructions::kAll;
-  if (name == "avx512") return Instructions::kAvx512;
-  if (name == "avx2") return Instructions::kAvx2;
-  if (name == "sse4") return Instructions::kSse4;
-  throw_usage("unknown instructions " + name);
+/// The choice that a word of an option names.
+template <class Choice>
+Choice choice_of(const std::string& option, const std::string& word) {
+  const std::optional<Choice> choice = choice_named<Choice>(word);
+  if (!choice) throw_usage(option + " is " + joined_words<Choice>(", ", " or ") + ", not " + word);
+  return *choice;
 }
 
 Arguments parse(int count, char** values) {
@@ -266,11 +261,11 @@ Arguments parse(int count, char** values) {
     } else if (option == "--threads") {
       a.threads = std::stoi(next());
     } else if (option == "--precision") {
-      a.precision = precision_of(next());
+      a.precision = choice_of<nn::Precision>(option, next());
     } else if (option == "--no-onednn") {
       a.onednn = false;
     } else if (option == "--instructions") {
-      a.instructions = instructions_of(next());
+      a.instructions = choice_of<Instructions>(option, next());
     } else if (option == "--weights") {
       a.weights = next();
     } else if (a.what.empty() && option[0] != '-') {
@@ -289,8 +284,9 @@ void run(const Arguments& a) {
   options.precision = a.precision;
   options.onednn = a.onednn && a.instructions == Instructions::kAll;
   nn::Compute compute(pool, options);
-  std::printf("%d threads, %s, products of %s, matrix unit %s\n", pool.size(), nn::name_of(a.precision),
-              compute.matrices()->name().c_str(), compute.amx() ? "yes" : "no");
+  std::printf("%d threads, %s, products of %s, matrix unit %s\n", pool.size(),
+              std::string(word_of(a.precision)).c_str(), compute.matrices()->name().c_str(),
+              compute.amx() ? "yes" : "no");
   if (a.what == "layers") return run_layers(compute);
   if (a.what == "vggt") return run_vggt(compute, a);
   if (a.what == "m2f") return run_mask2former(compute, a);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/choice_option.h"
 #include "cli/command.h"
 #include "cli/device_option.h"
 #include "cli/help_text.h"
@@ -22,7 +23,6 @@ namespace {
 struct BenchOptions {
   StepBenchmarkOptions steps;
   Instructions instructions = Instructions::kAll;
-  std::string blend = "probabilities";
   std::string device = "cpu";
   cuda::CudaEngineOptions cuda;  ///< with a CUDA device
 };
@@ -121,7 +121,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchOptions& options
             {"channels", room.channels},
             {"order", room.morton_order ? "morton" : "scattered"},
             {"pixel_share", timing.pixel_share},
-            {"blend", options.blend},
+            {"blend", word_of(options.steps.blend)},
             {"visible", t.visible},
             {"pairs_per_tile", per(t.pairs, t.tiles)},
             {"used_per_tile", per(t.used, t.tiles)},
@@ -185,7 +185,6 @@ BenchMachine run_on_device(BenchOptions& o, int index, StepTiming& timing) {
 void run_bench(BenchOptions& o, bool json) {
   StepTiming timing;
   BenchMachine machine;
-  o.steps.blend = choice_named<SemanticBlend>(o.blend).value();
   const cuda::DeviceChoice choice = chosen_device(o.device, true);
   if (choice.cuda) {
     if (o.instructions != Instructions::kAll) throw_usage("--instructions are those of the CPU", "leave --device out");
@@ -238,17 +237,9 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
       ->capture_default_str()
       ->group("Scene");
-  command->add_option("--blend", options->blend, "quantity that the semantic loss blends (semantic.blend)")
-      ->transform(CLI::IsMember(choice_list<SemanticBlend>(), CLI::ignore_case))
-      ->capture_default_str()
+  add_choice_option(*command, "--blend", steps.blend, "quantity that the semantic loss blends (semantic.blend)")
       ->group("Scene");
-  const std::map<std::string, Instructions> names = {{"all", Instructions::kAll},
-                                                     {"avx512", Instructions::kAvx512},
-                                                     {"avx2", Instructions::kAvx2},
-                                                     {"sse4", Instructions::kSse4}};
-  command->add_option("--instructions", options->instructions, "widest vectors to use, without matrix tiles")
-      ->transform(CLI::CheckedTransformer(names, CLI::ignore_case))
-      ->default_str("all")
+  add_choice_option(*command, "--instructions", options->instructions, "widest vectors to use, without matrix tiles")
       ->group("Machine");
   command->add_option("--steps", steps.steps, "number of timed steps")
       ->check(CLI::Range(1, 100000))

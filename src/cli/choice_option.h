@@ -9,12 +9,12 @@
 
 namespace aligngs {
 
-/// Adds an option that takes one of the enum's words; `choice` is the default and must outlive the command.
+/// Adds an option that takes one of the enum's words in any case; `choice` is the default and must outlive the command.
 template <class Choice>
 CLI::Option* add_choice_option(CLI::App& command, const std::string& name, Choice& choice, const std::string& help) {
   const auto take = [&choice](const std::string& word) { choice = choice_named<Choice>(word).value(); };
   return command.add_option_function<std::string>(name, take, help)
-      ->check(CLI::IsMember(choice_list<Choice>()))
+      ->transform(CLI::IsMember(choice_list<Choice>(), CLI::ignore_case))
       ->default_str(std::string(word_of(choice)));
 }
 

@@ -88,7 +88,7 @@ Check check_networks() {
   const nn::Precision precision = nn::fastest_precision();
   const nn::Compute compute(pool, {precision, true, true});
   const std::string what =
-      fmt::format("{}, {}{}", nn::name_of(precision), compute.matrices()->name(), compute.amx() ? ", matrix unit" : "");
+      fmt::format("{}, {}{}", word_of(precision), compute.matrices()->name(), compute.amx() ? ", matrix unit" : "");
   bool slow = false;
 #ifdef __x86_64__
   slow = precision != nn::Precision::kBfloat16 && __builtin_cpu_supports("avx512bf16");

@@ -3,7 +3,6 @@
 #include <CLI/App.hpp>
 
 #include <fmt/format.h>
-#include <set>
 
 #include "cli/choice_option.h"
 #include "core/error.h"
@@ -71,15 +70,12 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
 }
 
 nn::Precision precision_of(const std::string& name) {
-  for (const nn::Precision precision : nn::kPrecisions) {
-    if (name == nn::name_of(precision)) return precision;
-  }
-  return nn::fastest_precision();
+  return choice_named<nn::Precision>(name).value_or(nn::fastest_precision());
 }
 
 void add_precision_option(CLI::App& command, std::string& precision, const std::string& group) {
-  std::set<std::string> names = {"auto"};
-  for (const nn::Precision each : nn::kPrecisions) names.insert(nn::name_of(each));
+  std::vector<std::string> names = choice_list<nn::Precision>();
+  names.insert(names.begin(), "auto");
   command
       .add_option(
           "--precision", precision,

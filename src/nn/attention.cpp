@@ -12,7 +12,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr int64_t kKeyBlock = 256;  // scores of two panels of queries: 32 KB, which stay in the first or second cache
+constexpr int64_t kKeyBlock = 192;  // scores of three panels of queries: 36 KB, which stay in the first or second cache
 constexpr float kLog2e = 1.44269504f;
 constexpr float kNever = -1e30f;  // a score that weighs nothing; finite, so that differences are
 
@@ -21,7 +21,7 @@ int64_t round_up(int64_t n, int64_t unit) { return (n + unit - 1) / unit * unit;
 }  // namespace
 
 // Layouts, per sequence and head. In vectors: queries [queries/16][dim][16], keys [keys][dim], values
-// [keys/256][dim][256]. Matrix unit: see amx_attention.h.
+// [keys/192][dim][192]. Matrix unit: see amx_attention.h.
 AttentionOperands::AttentionOperands(const Compute& compute, const AttentionShape& shape)
     : shape_(shape),
       amx_(compute.amx() && shape.masks == 0 && shape.head_dim <= kAmxHeadDim),
@@ -163,11 +163,12 @@ void attention(Compute& compute, const AttentionOperands& operands, float* out, 
   if ((shape.masks > 0) != (masked != nullptr))
     throw Error({ErrorKind::kFailed, "a mask is given or missing against the shape", {}, "attention", ""});
   // Queries that share each block of keys while it is in the cache.
-  constexpr int64_t kQueryBlock = 256, kFewQueries = 128;
+  constexpr int64_t kQueryBlock = 256, kFewQueries = 2 * kJoinedPanels * kPanel;
   const int64_t block = operands.amx_ ? kQueryBlock : kFewQueries;
   const int64_t blocks = (shape.queries + block - 1) / block;
   const int64_t streams = shape.sequences * shape.heads;
-  compute.for_rows(streams * blocks, 1, [&](int64_t task, int64_t, Scratch& scratch) {
+  const auto attend = [&](int64_t task, Scratch& scratch) {
+    const Scratch::Frame frame(scratch);
     const int64_t stream = task / blocks, first = task % blocks * block;
     const int64_t sequence = stream / shape.heads, head = stream % shape.heads;
     const int64_t count = std::min(block, shape.queries - first);
@@ -180,6 +181,12 @@ void attention(Compute& compute, const AttentionOperands& operands, float* out, 
       const uint8_t* own = masked ? masked + mask * shape.queries * shape.keys : nullptr;
       operands.attend_in_vectors(stream, first, count, own, to, scratch);
     }
+  };
+  // A thread that takes whole streams reads their keys and values once. Few streams are shared by the threads.
+  constexpr int64_t kManyStreams = 8;  // per thread: the last ones keep threads waiting for 1/16 of the time on average
+  const int64_t chunk = streams >= kManyStreams * compute.pool().size() ? blocks : 1;
+  compute.for_rows(streams * blocks, chunk, [&](int64_t begin, int64_t count, Scratch& scratch) {
+    for (int64_t task = begin; task < begin + count; ++task) attend(task, scratch);
   });
 }
 

@@ -70,18 +70,6 @@ Compute::Compute(ThreadPool& pool, const ComputeOptions& options)
 
 Compute::~Compute() = default;
 
-const char* name_of(Precision precision) {
-  switch (precision) {
-    case Precision::kFloat32:
-      return "float32";
-    case Precision::kBfloat16:
-      return "bfloat16";
-    case Precision::kFloat16:
-      return "float16";
-  }
-  return "";
-}
-
 Precision fastest_precision() {
   // Networks were published for bfloat16. Without instructions for it float32 products are as fast, and float16 keeps
   // eight times more of a weight.
@@ -97,7 +85,7 @@ double Compute::operations() const {
 int64_t product_rows(int64_t rows, int64_t threads) {
   // A chunk streams all weights through the cache once: long chunks use them more often. Equal ones, as many for each
   // thread, keep no thread waiting. Whole tiles of rows are fastest.
-  constexpr int64_t kLongest = 288, kShortest = 96, kTileRows = 12;
+  constexpr int64_t kLongest = 288, kShortest = 96, kTileRows = 24;  // tiles of 6 and of 8 rows
   const int64_t most = std::max<int64_t>(1, rows / kShortest);
   const int64_t rounds = std::max<int64_t>(1, (rows + kLongest * threads - 1) / (kLongest * threads));
   const int64_t chunks = std::min(most, rounds * threads);

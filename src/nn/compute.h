@@ -8,24 +8,9 @@
 #include <vector>
 
 #include "core/thread_pool.h"
+#include "nn/precision.h"
 
 namespace aligngs::nn {
-
-/// Precision of the operands of matrix products and of attention. Sums, normalisations and the residual stream are
-/// float32 in each.
-enum class Precision {
-  kFloat32,
-  kBfloat16,
-  kFloat16  ///< weights alone; what they are multiplied with and attention are float32. Not for devices.
-};
-
-inline constexpr Precision kPrecisions[] = {Precision::kFloat32, Precision::kBfloat16, Precision::kFloat16};
-
-/// Bytes of a weight of a matrix, and of a number that it is multiplied with.
-constexpr uint64_t bytes_of_weight(Precision precision) { return precision == Precision::kFloat32 ? 4 : 2; }
-constexpr uint64_t bytes_of_operand(Precision precision) { return precision == Precision::kBfloat16 ? 2 : 4; }
-/// "float32", "bfloat16" or "float16".
-const char* name_of(Precision precision);
 
 /// Uninitialised memory on a 64-byte boundary.
 class AlignedBytes {

@@ -224,16 +224,16 @@ BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const st
     for (size_t i = begin; i < end; ++i) {
       if (depths[i].depth.empty()) continue;
       const MatchView& view = photos.all[i];
-      const std::vector<CameraPlane> planes = in_frame_of(view.camera, report.planes);
+      const std::vector<CameraPlane> candidates = in_frame_of(view.camera, report.planes);
       const Evidence evidence(photos, i, others[i], partners[i], settings, stereo);
-      ImageF costs(view.camera.width, view.camera.height, static_cast<int>(planes.size()) + 1);
+      ImageF costs(view.camera.width, view.camera.height, static_cast<int>(candidates.size()) + 1);
       evidence.add({view.depth}, 0, costs);
-      for (size_t k = 0; k < planes.size(); ++k) {
-        evidence.add({depth_on(planes[k], view.camera), &planes[k], &fit[planes[k].number - 1u]},
+      for (size_t k = 0; k < candidates.size(); ++k) {
+        evidence.add({depth_on(candidates[k], view.camera), &candidates[k], &fit[candidates[k].number - 1u]},
                      static_cast<int>(k) + 1, costs);
       }
       const Image<uint8_t> chosen = label_by_paths(costs, view.luma, photos.measured[i].labels, settings.paths);
-      on[i] = move_onto(planes, chosen, views[i], settings, stereo.spread, depths[i]);
+      on[i] = move_onto(candidates, chosen, views[i], settings, stereo.spread, depths[i]);
     }
   });
   report.on_planes = share_of_pixels(on, depths);

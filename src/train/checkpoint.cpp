@@ -266,9 +266,9 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
   file.metadata["fingerprint"] = fingerprint;
   file.metadata["iteration"] = std::to_string(state.iteration);
   file.metadata["non_finite_steps"] = std::to_string(state.non_finite_steps);
-  file.metadata["max_gaussians"] = std::to_string(state.start.max_gaussians);
-  file.metadata["dense_start"] = state.start.dense ? "1" : "0";
-  file.metadata["normals_at_start"] = state.start.has_normals ? "1" : "0";
+  file.metadata["max_gaussians"] = std::to_string(state.facts.max_gaussians);
+  file.metadata["dense_start"] = state.facts.dense_start ? "1" : "0";
+  file.metadata["normals_at_start"] = state.facts.normals_at_start ? "1" : "0";
   file.metadata["psnr_average"] = fmt::format("{}", state.psnr_average);
   file.metadata["seconds"] = fmt::format("{}", state.seconds);
   if (!state.trainable) pack_tensors(file);
@@ -305,9 +305,9 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   state.trainable = meta(kTrainable) != "0";
   state.in_scene_file = refers_to_scene(file);
   state.non_finite_steps = metadata_number<int64_t>(file, "non_finite_steps", path);
-  state.start.max_gaussians = metadata_number<uint64_t>(file, "max_gaussians", path);
-  state.start.dense = meta("dense_start") == "1";
-  state.start.has_normals = meta("normals_at_start") == "1";
+  state.facts.max_gaussians = metadata_number<uint64_t>(file, "max_gaussians", path);
+  state.facts.dense_start = meta("dense_start") == "1";
+  state.facts.normals_at_start = meta("normals_at_start") == "1";
   state.psnr_average = metadata_number<double>(file, "psnr_average", path);
   state.seconds = metadata_number<double>(file, "seconds", path);
   state.engine.model = take_model(file, path);

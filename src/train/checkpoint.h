@@ -30,9 +30,9 @@ struct TrainingState {
   std::vector<CameraMotion> motions;         ///< of the training cameras; empty: this run moves none
   PlaneTargets planes;                       ///< of the last fit (loss.plane_weight); empty: none yet
   int64_t non_finite_steps = 0;              ///< steps rolled back so far
-  StartFacts start;
-  double psnr_average = 0;  ///< running mean shown as progress, dB
-  double seconds = 0;       ///< training time so far, over all resumes
+  TrainingFacts facts;                       ///< read from a file: those of the start alone
+  double psnr_average = 0;                   ///< running mean shown as progress, dB
+  double seconds = 0;                        ///< training time so far, over all resumes
 };
 
 /// checkpoints/step_<iteration>.safetensors, atomic, with a checksum over its content; older ones beyond

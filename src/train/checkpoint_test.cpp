@@ -41,8 +41,8 @@ class Checkpoint : public testing::Test {
     s.order.random = {1, 2, 3, ~uint64_t(0)};
     s.density_random = {9, 8, 7, 6};
     s.depth_scales = {1.0f, 0.98f};
-    s.start.max_gaussians = 123;
-    s.start.dense = true;
+    s.facts.max_gaussians = 123;
+    s.facts.dense_start = true;
     s.psnr_average = 21.123456789012345;
     return s;
   }
@@ -73,9 +73,9 @@ TEST_F(Checkpoint, RoundTripIsExact) {
   EXPECT_EQ(r.order.random, s.order.random);
   EXPECT_EQ(r.density_random, s.density_random);
   EXPECT_EQ(r.depth_scales, s.depth_scales);
-  EXPECT_EQ(r.start.max_gaussians, 123u);
-  EXPECT_TRUE(r.start.dense);
-  EXPECT_FALSE(r.start.has_normals);
+  EXPECT_EQ(r.facts.max_gaussians, 123u);
+  EXPECT_TRUE(r.facts.dense_start);
+  EXPECT_FALSE(r.facts.normals_at_start);
   EXPECT_EQ(r.psnr_average, s.psnr_average);
 }
 

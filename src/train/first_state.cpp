@@ -31,13 +31,13 @@ FirstState first_state(const FirstStateInputs& in, const Engine& engine, MemoryB
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   FirstState out;
   out.state.depth_scales = in.depth_scales;
-  out.state.start.dense = begun.dense;
-  out.state.start.has_normals = begun.has_normals;
+  out.state.facts.dense_start = begun.dense;
+  out.state.facts.normals_at_start = begun.has_normals;
   out.state.engine.model = std::move(begun.model);
   GaussianCap cap = fit_to_engine({config, out.state.engine.model.size(), begun.dense, limit, all_pixels},
                                   {engine, in.views, channels, pixels}, budget);
   out.warning = std::move(cap.warning);
-  out.state.start.max_gaussians = cap.gaussians;
+  out.state.facts.max_gaussians = cap.gaussians;
   return out;
 }
 

@@ -19,8 +19,7 @@ double logit(double p) { return std::log(p / (1 - p)); }
 
 }  // namespace
 
-Schedule::Schedule(const TrainConfig& config, const SceneFacts& facts, const StartFacts& start)
-    : config_(config), facts_(facts), start_(start) {
+Schedule::Schedule(const TrainConfig& config, const TrainingFacts& facts) : config_(config), facts_(facts) {
   length_ = config.train.schedule_iterations > 0 ? config.train.schedule_iterations : config.train.iterations;
 }
 
@@ -69,7 +68,7 @@ LossSettings Schedule::losses(int64_t iteration) const {
   const bool relative = facts_.prior_depth == PriorDepthKind::kRelative;
   const bool normals = iteration > scaled(c.normal_start);
   // Without normals at the start the plane depth is noise until the Gaussians have turned.
-  const bool turned = start_.has_normals || normals;
+  const bool turned = facts_.normals_at_start || normals;
   const auto gate = [](bool open, LossGate bit) { return open ? unsigned(bit) : 0u; };
   const unsigned open =
       gate(facts_.semantics, kGateSemantics) | gate(metric, kGateMetric) |
@@ -175,7 +174,7 @@ McmcRule Schedule::mcmc_rule() const {
   McmcRule rule;
   rule.dead_opacity = to_float(config_.densify.prune_opacity);
   rule.growth = config_.densify.growth;
-  rule.max_gaussians = start_.max_gaussians;
+  rule.max_gaussians = facts_.max_gaussians;
   rule.morton_order = config_.densify.morton_order;
   return rule;
 }
@@ -194,10 +193,10 @@ DensityRule Schedule::density_rule(int64_t iteration) const {
   rule.small_scale = to_float(d.small_scale * facts_.extent);
   rule.prune_opacity = to_float(d.prune_opacity);
   rule.prune_scale = iteration > scaled(d.prune_scale_start) ? to_float(d.prune_scale * facts_.extent) : 0;
-  rule.max_gaussians = start_.max_gaussians;
+  rule.max_gaussians = facts_.max_gaussians;
   rule.morton_order = d.morton_order;
   // A sparse start has everything still to grow; only a dense one is restricted to what it misses.
-  if (start_.dense) {
+  if (facts_.dense_start) {
     rule.residual_quantile = to_float(d.residual_quantile);
     rule.unsupported_min = to_float(d.unsupported_min);
   }

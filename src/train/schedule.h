@@ -19,21 +19,19 @@ enum class PriorDepthKind {
   kRelative  ///< only its correlation with the rendered depth (L_d)
 };
 
-/// Facts about the scene, which a run that goes on finds again.
-struct SceneFacts {
+/// The facts that a plan depends on. They are part of a run's state (TrainingState in checkpoint.h).
+struct TrainingFacts {
+  // Facts of the scene: a run that goes on finds them again.
   int training_views = 1;
   int image_side = 0;  ///< pixels along the larger side of the largest training image
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
   bool network_cameras = false;  ///< a network estimated cameras and depth: both are some percent off
   bool semantics = false;
   float extent = 1;  ///< robust scene extent, scene units
-};
-
-/// Facts about the start of a run, which its state keeps (TrainingState in checkpoint.h).
-struct StartFacts {
-  bool dense = false;          ///< the Gaussians started from prior depth
-  bool has_normals = false;    ///< the start had normals, so plane depth means something from the first step
-  uint64_t max_gaussians = 0;  ///< cap of density control; 0 = none
+  // Facts of the start: checkpoints keep them.
+  bool dense_start = false;       ///< the Gaussians started from prior depth
+  bool normals_at_start = false;  ///< so plane depth means something from the first step
+  uint64_t max_gaussians = 0;     ///< cap of density control; 0 = none
 };
 
 /// Iterations are 1-based. Iteration keys are scaled by schedule length / train.reference_iterations and rounded. All
@@ -42,7 +40,7 @@ struct StartFacts {
 /// always ends with the run.)
 class Schedule {
  public:
-  Schedule(const TrainConfig& config, const SceneFacts& facts, const StartFacts& start = {});
+  Schedule(const TrainConfig& config, const TrainingFacts& facts);
 
   /// Everything but `view`, its neighbour and its prior depth scale.
   StepRequest request(int64_t iteration) const;
@@ -94,8 +92,7 @@ class Schedule {
   LearningRates rates(int64_t iteration) const;
 
   TrainConfig config_;
-  SceneFacts facts_;
-  StartFacts start_;
+  TrainingFacts facts_;
   int64_t length_;  ///< of the schedules, iterations
 };
 

@@ -10,22 +10,18 @@
 namespace aligngs {
 namespace {
 
-struct Room : SceneFacts {
-  StartFacts start;
-};
-
-Room room() {
-  Room f;
+TrainingFacts room() {
+  TrainingFacts f;
   f.training_views = 20;
   f.prior_depth = PriorDepthKind::kMetric;
   f.semantics = true;
-  f.start.dense = true;
-  f.start.has_normals = true;
+  f.dense_start = true;
+  f.normals_at_start = true;
   f.extent = 2;
   return f;
 }
 
-Schedule schedule_of(const TrainConfig& config, const Room& room) { return Schedule(config, room, room.start); }
+Schedule schedule_of(const TrainConfig& config, const TrainingFacts& room) { return Schedule(config, room); }
 
 TrainConfig paper() { return make_preset(Preset::kPaper); }
 
@@ -40,7 +36,7 @@ TrainConfig standard() {
 TEST(Schedule, SemanticSampleMovesOnWithEveryPassOverTheViews) {
   TrainConfig c = standard();
   c.semantic.pixel_share = 0.25;
-  Room f = room();
+  TrainingFacts f = room();
   f.training_views = 20;
   f.image_side = 320;
   const Schedule s = schedule_of(c, f);
@@ -84,8 +80,8 @@ TEST(Schedule, PaperTurnsGuidanceOnAt1501) {
 TEST(Schedule, MultiViewTermsActFromTheirShareOfTheRun) {
   TrainConfig c = make_preset(Preset::kPgsr);
   c.train.iterations = 3000;  // 1633 of 7000 are 700 of 3000, as the published 7000 of 30000
-  Room cloud = room();
-  cloud.start.has_normals = false;
+  TrainingFacts cloud = room();
+  cloud.normals_at_start = false;
   const Schedule s = schedule_of(c, cloud);
   EXPECT_EQ(s.request(700).losses.weight[Loss::kMultiViewGeometric], 0);
   EXPECT_EQ(s.request(700).losses.weight[Loss::kMultiViewPhotometric], 0);
@@ -99,8 +95,8 @@ TEST(Schedule, MultiViewTermsWaitForNormals) {
   c.loss.multi_view_photometric = 0.15;
   c.loss.multi_view_from = 0;
   EXPECT_GT(schedule_of(c, room()).request(1).losses.weight[Loss::kMultiViewPhotometric], 0);
-  Room cloud = room();
-  cloud.start.has_normals = false;
+  TrainingFacts cloud = room();
+  cloud.normals_at_start = false;
   EXPECT_EQ(schedule_of(c, cloud).request(500).losses.weight[Loss::kMultiViewPhotometric], 0);  // loss.normal_start
   EXPECT_GT(schedule_of(c, cloud).request(501).losses.weight[Loss::kMultiViewPhotometric], 0);
 }
@@ -123,7 +119,7 @@ TEST(Schedule, PaperShDegreeGrowsEvery1000) {
 }
 
 TEST(Schedule, DefaultShDegreeDependsOnTheNumberOfViewsAndWhoMadeTheCameras) {
-  Room f = room();
+  TrainingFacts f = room();
   EXPECT_EQ(schedule_of(standard(), f).request(7000).sh_degree, 3);
   f.network_cameras = true;
   EXPECT_EQ(schedule_of(standard(), f).request(7000).sh_degree, 1);
@@ -208,7 +204,7 @@ TEST(Schedule, RecoveryFromAResetFollowsTheRateOfOpacities) {
 }
 
 TEST(Schedule, DefaultDensityControlActsBetween5And50Percent) {
-  Room f = room();
+  TrainingFacts f = room();
   f.training_views = 60;  // two epochs are 120 iterations, more than densify.every
   const Schedule s = schedule_of(standard(), f);
   EXPECT_FALSE(s.densifies(240));
@@ -224,10 +220,10 @@ TEST(Schedule, OnlyADenseStartRestrictsGrowth) {
   TrainConfig config = standard();
   config.densify.residual_quantile = 0.9;
   config.densify.unsupported_min = 0.5;
-  Room f = room();
+  TrainingFacts f = room();
   EXPECT_FLOAT_EQ(schedule_of(config, f).density_rule(500).residual_quantile, 0.9f);
   EXPECT_FLOAT_EQ(schedule_of(config, f).density_rule(500).unsupported_min, 0.5f);
-  f.start.dense = false;
+  f.dense_start = false;
   EXPECT_EQ(schedule_of(config, f).density_rule(500).residual_quantile, 0);
   EXPECT_EQ(schedule_of(config, f).density_rule(500).unsupported_min, 0);
 }
@@ -241,15 +237,15 @@ TEST(Schedule, DepthWeightDecaysLogLinearly) {
 }
 
 TEST(Schedule, DepthTermsWaitForNormalsThatTheStartLacks) {
-  Room f = room();
-  f.start.has_normals = false;
+  TrainingFacts f = room();
+  f.normals_at_start = false;
   const Schedule s = schedule_of(standard(), f);
   EXPECT_EQ(s.request(500).losses.weight[Loss::kLogDepth], 0);
   EXPECT_GT(s.request(501).losses.weight[Loss::kLogDepth], 0);
 }
 
 TEST(Schedule, RelativePriorDepthGivesOnlyItsCorrelation) {
-  Room f = room();
+  TrainingFacts f = room();
   f.prior_depth = PriorDepthKind::kRelative;
   const LossSettings l = schedule_of(standard(), f).request(1000).losses;
   EXPECT_GT(l.weight[Loss::kPearson], 0);
@@ -258,7 +254,7 @@ TEST(Schedule, RelativePriorDepthGivesOnlyItsCorrelation) {
 }
 
 TEST(Schedule, WithoutPriorsTheirTermsAreOff) {
-  Room f = room();
+  TrainingFacts f = room();
   f.prior_depth = PriorDepthKind::kNone;
   f.semantics = false;
   const LossSettings l = schedule_of(paper(), f).request(5000).losses;
@@ -308,7 +304,7 @@ TEST(Schedule, ObjectsAreNamedAfterTheLastStepWithBlendedProbabilities) {
   c.semantic.object_labels = true;
   EXPECT_TRUE(schedule_of(c, room()).names_objects(c.train.iterations));
   EXPECT_FALSE(schedule_of(c, room()).names_objects(c.train.iterations - 1));
-  Room unlabelled = room();
+  TrainingFacts unlabelled = room();
   unlabelled.semantics = false;
   EXPECT_FALSE(schedule_of(c, unlabelled).names_objects(c.train.iterations));
   c.semantic.blend = SemanticBlend::kLogits;
@@ -333,7 +329,7 @@ TEST(Schedule, TheRoomIsClosedAfterTheLastStepWhereThereAreLabels) {
   c.train.closed_room = true;
   EXPECT_TRUE(schedule_of(c, room()).closes_room(c.train.iterations));
   EXPECT_FALSE(schedule_of(c, room()).closes_room(c.train.iterations - 1));
-  Room unlabelled = room();
+  TrainingFacts unlabelled = room();
   unlabelled.semantics = false;
   EXPECT_FALSE(schedule_of(c, unlabelled).closes_room(c.train.iterations));
   EXPECT_FALSE(schedule_of(standard(), room()).closes_room(c.train.iterations)) << "off";
@@ -347,7 +343,7 @@ TEST(Schedule, PlanesAreFittedWhereDepthIsMetricAndThereAreLabels) {
   EXPECT_TRUE(schedule_of(c, room()).fits_planes(1000));
   EXPECT_FALSE(schedule_of(c, room()).fits_planes(1001));
   EXPECT_FALSE(schedule_of(c, room()).fits_planes(c.train.iterations));
-  Room unlabelled = room(), relative = room();
+  TrainingFacts unlabelled = room(), relative = room();
   unlabelled.semantics = false;
   relative.prior_depth = PriorDepthKind::kRelative;
   EXPECT_FALSE(schedule_of(c, unlabelled).fits_planes(1000));
@@ -381,7 +377,7 @@ TEST(Schedule, LiftsSemanticsBeforeTheFirstStep) {
 }
 
 TEST(Schedule, LengthsFollowTheExtent) {
-  Room f = room();
+  TrainingFacts f = room();
   f.extent = 0.37f * 2;
   const StepRequest a = schedule_of(standard(), room()).request(10), b = schedule_of(standard(), f).request(10);
   EXPECT_NEAR(b.rates.position / a.rates.position, 0.37, 1e-5);

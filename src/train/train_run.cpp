@@ -65,6 +65,7 @@ class Run {
   std::filesystem::path scene_folder() const;
   /// The state to go on from, or that of a new start (`fresh`).
   TrainingState start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh);
+  void find_scene_facts(const std::vector<TrainingView>& views, TrainingFacts& facts) const;
   void warn(const std::string& message);
   std::vector<std::vector<int>> neighbours_of(const std::vector<GuideView>& guides);
 
@@ -155,6 +156,18 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   return std::move(first.state);
 }
 
+void Run::find_scene_facts(const std::vector<TrainingView>& views, TrainingFacts& facts) const {
+  facts.training_views = static_cast<int>(in_.scene.train.size());
+  facts.image_side = 0;
+  for (const TrainingView& view : views) {
+    facts.image_side = std::max({facts.image_side, view.data.camera.width, view.data.camera.height});
+  }
+  facts.prior_depth = in_.use.depth;
+  facts.network_cameras = in_.scene.has_network_depth();
+  facts.semantics = in_.use.semantics;
+  facts.extent = static_cast<float>(in_.extent);
+}
+
 std::vector<std::vector<int>> Run::neighbours_of(const std::vector<GuideView>& guides) {
   std::vector<Camera> cameras;
   for (const GuideView& guide : guides) cameras.push_back(guide.camera);
@@ -182,31 +195,24 @@ TrainResult Run::train() {
 
   TrainerInputs inputs;
   inputs.config = config_;
-  inputs.facts.training_views = static_cast<int>(in_.scene.train.size());
-  inputs.facts.prior_depth = in_.use.depth;
-  inputs.facts.network_cameras = in_.scene.has_network_depth();
-  inputs.facts.semantics = in_.use.semantics;
-  inputs.facts.extent = static_cast<float>(in_.extent);
   inputs.fingerprint = in_.fingerprint;
   inputs.labels = in_.scene.labels;
   inputs.resume_command = resume_command_of(options_);
   inputs.progress = options_.progress;
   std::vector<TrainingView> views = load_training_views(in_.scene, config_, in_.use, *pool_);
-  for (const TrainingView& view : views) {
-    inputs.facts.image_side = std::max({inputs.facts.image_side, view.data.camera.width, view.data.camera.height});
-  }
   inputs.guides = guides_of(views, in_.use, config_, in_.extent);
   if (multi_view) {
     inputs.neighbours = neighbours_of(inputs.guides);
   }
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
+  find_scene_facts(views, state.facts);
   inputs.load_views = [this](double scale) {
     TrainConfig at_scale = config_;
     at_scale.data.scale *= scale;
     return load_training_views(in_.scene, at_scale, in_.use, *pool_);
   };
-  const double scale = Schedule(config_, inputs.facts).view_scale(state.iteration + 1);
+  const double scale = Schedule(config_, state.facts).view_scale(state.iteration + 1);
   if (scale != 1) {
     views.clear();
     views = inputs.load_views(scale);
@@ -214,7 +220,7 @@ TrainResult Run::train() {
   engine->prepare(
       {std::move(views), static_cast<int>(config_.semantic.active_top), fresh ? &state.engine.model : nullptr});
   Trainer trainer(std::move(inputs), *engine, folder_, record_, *pool_);
-  if (fresh) state = trainer.initial_state(state.depth_scales, state.start);
+  if (fresh) state = trainer.initial_state(state.depth_scales, state.facts);
   state = trainer.run(std::move(state));
 
   if (!state.motions.empty()) {

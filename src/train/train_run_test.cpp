@@ -143,7 +143,7 @@ TEST_F(TrainRun, TheMemoryOfADeviceLimitsGrowth) {
   ASSERT_EQ(record(o).warnings.size(), 1u);
   EXPECT_THAT(record(o).warnings[0], HasSubstr("the memory of fake holds 120 Gaussians"));
   const std::vector<fs::path> checkpoints = list_checkpoints(o.run / "checkpoints");
-  EXPECT_EQ(read_checkpoint(checkpoints.front(), record(o).fingerprint).start.max_gaussians, 120u);
+  EXPECT_EQ(read_checkpoint(checkpoints.front(), record(o).fingerprint).facts.max_gaussians, 120u);
 }
 
 TEST_F(TrainRun, ADeviceTooSmallForTheStartIsAResourceErrorBeforeTheFirstStep) {

@@ -45,19 +45,19 @@ Trainer::Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, 
       folder_(folder),
       record_(record),
       pool_(pool),
-      schedule_(in_.config, in_.facts),
+      schedule_(in_.config, TrainingFacts{}),
       order_(static_cast<int>(in_.guides.size()), generator(in_.config, RandomPurpose::kViewOrder).next()),
       density_random_(generator(in_.config, RandomPurpose::kDensity)),
       control_(folder.path()) {
   for (const GuideView& guide : in_.guides) poses_.push_back(guide.camera.world_to_camera);
 }
 
-TrainingState Trainer::initial_state(const std::vector<float>& depth_scales, const StartFacts& start) const {
+TrainingState Trainer::initial_state(const std::vector<float>& depth_scales, const TrainingFacts& facts) const {
   TrainingState state;
   state.order = order_.state();
   state.density_random = density_random_.state();
   state.depth_scales = depth_scales;
-  state.start = start;
+  state.facts = facts;
   return state;
 }
 
@@ -78,7 +78,7 @@ TrainingState Trainer::run(TrainingState state) {
   state_.engine = {};  // the engine owns the parameters from here on; no second copy is kept
   order_.set_state(state_.order);
   density_random_.set_state(state_.density_random);
-  schedule_ = Schedule(in_.config, in_.facts, state_.start);
+  schedule_ = Schedule(in_.config, state_.facts);
 
   if (!state_.motions.empty() && state_.motions.size() != in_.guides.size()) {
     throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views",

@@ -24,7 +24,6 @@ namespace aligngs {
 
 struct TrainerInputs {
   TrainConfig config;
-  SceneFacts facts;
   std::vector<GuideView> guides;  ///< one per training view, in the engine's order
   /// of every view, for the multi-view terms (neighbour_choice.h); empty: none
   std::vector<std::vector<int>> neighbours;
@@ -48,7 +47,7 @@ class Trainer {
   Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, RunRecord& record, ThreadPool& pool);
 
   /// State before the first step of a new run whose engine holds the start model.
-  TrainingState initial_state(const std::vector<float>& depth_scales, const StartFacts& start) const;
+  TrainingState initial_state(const std::vector<float>& depth_scales, const TrainingFacts& facts) const;
   /// Runs from `state` (whose engine part is loaded when it holds a model) to config.train.iterations.
   /// Writes checkpoints, events and run.json on the way; the last iteration always has a checkpoint, and scene.ply before
   /// it where that checkpoint refers to it. The result's engine part is empty: the engine and that checkpoint hold it.

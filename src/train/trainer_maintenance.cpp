@@ -28,7 +28,7 @@ void Trainer::maintain_scene(int64_t iteration, EventLog& events) {
   if (schedule_.prunes_free_space(iteration)) {
     events.restructured(
         iteration, "free_space",
-        prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config, in_.facts.extent, raster, pool_));
+        prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config, state_.facts.extent, raster, pool_));
   }
   if (schedule_.raises_scales(iteration))
     raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
@@ -66,10 +66,10 @@ void Trainer::fit_planes_now(int64_t iteration, EventLog& events) {
 }
 
 void Trainer::close_room_now(int64_t iteration, EventLog& events) {
-  const size_t cap = state_.start.max_gaussians;
+  const size_t cap = state_.facts.max_gaussians;
   const size_t most = cap > 0 ? most_in_closed_room(cap) : std::numeric_limits<size_t>::max();
   const size_t added =
-      close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);
+      close_room(engine_, {in_.guides, in_.labels, state_.facts.extent, most, labelled_rendering(iteration)}, pool_);
   if (added == 0) return;
   events.message(iteration, "closed_room",
                  fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
@@ -85,7 +85,7 @@ void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
     inputs.near_planes.push_back(in_.guides[v].near_plane);
   }
   inputs.raster = schedule_.request(iteration).raster;
-  inputs.extent = in_.facts.extent;
+  inputs.extent = state_.facts.extent;
   EngineState state;  // without moments, three times the model, where nothing goes on after the end
   const bool goes_on = in_.config.checkpoint.keep_finished;
   if (goes_on)

@@ -1,4 +1,4 @@
-// The third pass over the pixels (map_terms.cuh): the gradients of all losses on depth and normals.
+// Gradients of the terms in map_terms.cuh. A pixel gathers those of its neighbours, in the third pass of map_losses.cu.
 #pragma once
 
 #include "engine/cuda/map_terms.cuh"
@@ -81,60 +81,6 @@ __device__ __forceinline__ Vec3<float> gather_pairs(const MapTermInputs& in, con
     }
   }
   return g;
-}
-
-/// Writes normal and distance of every pixel.
-__global__ void __launch_bounds__(kPixelThreads)
-    map_gradient_kernel(MapTermInputs in, MapTermScratch scratch, MultiViewGradients views, MapGradientSpans out) {
-  const size_t i = item_index(), pixels = pixels_of(in);
-  if (i >= pixels) return;
-  const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
-  const int y = static_cast<int>(i / static_cast<size_t>(in.maps.width));
-  const MeasuredTerms& m = scratch.measured[0];
-  const ComparedTerms& c = scratch.compared[0];
-  const float depth = scratch.depth[i];
-  const uint8_t validity = scratch.validity[i];
-
-  float g = 0;
-  Vec3<float> d_normal;
-  if (c.consistency_step != 0) {
-    g = c.consistency_step * gather_consistency(in, scratch, x, y, i);
-    d_normal = vector_at(out.normal, i, pixels) * c.consistency_step;
-  }
-  Vec3<float> by_normal;  // of the pixel terms
-  add_pixel_gradients(PixelTerms{}, in, m, depth, validity, i, g, by_normal);
-  if (m.pearson && in_pearson(in, validity, i)) {
-    g += static_cast<float>(c.pearson.along_rendered * (static_cast<double>(depth) - m.mean_rendered) -
-                            c.pearson.along_prior * (static_cast<double>(in.view.prior_depth[i]) - m.mean_prior));
-  }
-  if (!views.depth.empty()) g += views.steps[0].geometric * views.depth[i];
-
-  const Vec3<float> ray = in.view.rays(x, y), n = vector_at(in.maps.normal, i, pixels);
-  const float distance = in.maps.distance[i];
-  float d_distance = 0;
-  if (!in.settings.paper_normals) {
-    const PlaneSlope<float> slope = plane_slope(n.x, n.y, n.z, in.maps.alpha[i], distance, ray.x, ray.y);
-    const DepthGradient<float> d = plane_depth_gradient(g, slope, distance);
-    d_distance = d.distance;
-    d_normal += ray * d.normal;
-  } else if (g != 0) {
-    const PlaneDepth<float> d = plane_depth_paper(n, distance, ray);
-    d_distance = g * d.dz_ddistance;
-    d_normal += d.dz_dnormal * g;
-  }
-
-  if (c.boundary_step != 0 || c.crease_step != 0) {
-    const UnitNormal<float> unit = unit_normal_at(in, i);
-    if (unit.valid()) d_normal += normal_gradient(unit, gather_pairs(in, scratch, c, unit, x, y, i));
-  }
-  d_normal += by_normal;
-  if (!views.plane.empty()) {
-    const float step = views.steps[0].photometric;
-    d_normal += vector_at(views.plane, i, pixels) * step;
-    d_distance += step * views.plane[3 * pixels + i];
-  }
-  out.distance[i] = d_distance;
-  for (int k = 0; k < 3; ++k) out.normal[size_t(k) * pixels + i] = d_normal[k];
 }
 
 }  // namespace aligngs::cuda

@@ -1,50 +1,10 @@
-// Losses on depth and normals in three passes over the pixels. Terms are normalised by the number of pixels that take
-// part. One pass measures, the next one compares neighbours, and the last one forms the gradients with the known
-// normalisations. A pixel gathers the gradients of its neighbours' terms. Nothing is scattered, so sums have a fixed
-// order.
+// Terms that compare a pixel with its neighbours: depth normals, and pairs across label edges. They belong to the
+// second pass of map_losses.cu.
 #pragma once
 
 #include "engine/cuda/pixel_terms.cuh"
 
 namespace aligngs::cuda {
-
-// ---- pass 1: depth, and the terms of single pixels ----
-
-__global__ void __launch_bounds__(kPixelThreads)
-    measure_kernel(MapTermInputs in, MapTermScratch scratch, DeviceSpan<double> partial) {
-  const size_t i = item_index(), pixels = pixels_of(in);
-  float sums[kMeasuredSums] = {};
-  if (i < pixels) {
-    const DepthSample<float> sample = depth_sample_at(in.maps, in.view, in.settings.paper_normals, i);
-    const uint8_t validity = static_cast<uint8_t>(sample.level);
-    scratch.depth[i] = sample.z;
-    scratch.validity[i] = validity;
-    if (in.settings.weight[Loss::kPearson] != 0 && in_pearson(in, validity, i)) {
-      sums[kPearsonCount] = 1;
-      sums[kPearsonRendered] = sample.z;
-      sums[kPearsonPrior] = in.view.prior_depth[i];
-    }
-    measure_pixel_terms(PixelTerms{}, in, sample.z, validity, i, sums + kPixelSums);
-  }
-  store_partial_sums(sums, partial);
-}
-
-__global__ void __launch_bounds__(kSumThreads)
-    finish_measure_kernel(MapTermInputs in, DeviceSpan<const double> partial, DeviceSpan<MeasuredTerms> out) {
-  double s[kMeasuredSums];
-  load_partial_sums(partial, s);
-  if (threadIdx.x != 0) return;
-  const double pixels = static_cast<double>(pixels_of(in));
-  MeasuredTerms m{};
-  m.pearson = enough_for_pearson(s[kPearsonCount], pixels);
-  if (m.pearson) {
-    m.pearson_count = s[kPearsonCount];
-    m.mean_rendered = s[kPearsonRendered] / s[kPearsonCount];
-    m.mean_prior = s[kPearsonPrior] / s[kPearsonCount];
-  }
-  finish_pixel_terms(PixelTerms{}, in.settings, pixels, s + kPixelSums, m);
-  out[0] = m;
-}
 
 // ---- pairs across label edges ----
 
@@ -79,7 +39,7 @@ __device__ __forceinline__ float crease_weight(const MapTermInputs& in, size_t u
   return before < after ? before : after;
 }
 
-// ---- pass 2: comparisons of neighbours ----
+// ---- comparisons of neighbours ----
 
 __device__ __forceinline__ void compare_depth_normal(const MapTermInputs& in, const MapTermScratch& scratch, int x,
                                                      int y, size_t i, DeviceSpan<float> d_normal,
@@ -151,67 +111,6 @@ __device__ __forceinline__ void compare_pairs(const MapTermInputs& in, const Map
       }
     }
   }
-}
-
-/// Leaves the gradient of L_ng by the pixel's own normal, not yet normalised, in d_normal.
-__global__ void __launch_bounds__(kPixelThreads)
-    compare_kernel(MapTermInputs in, MapTermScratch scratch, DeviceSpan<float> d_normal, DeviceSpan<double> partial) {
-  const size_t i = item_index();
-  float sums[kComparedSums] = {};
-  if (i < pixels_of(in)) {
-    const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
-    const int y = static_cast<int>(i / static_cast<size_t>(in.maps.width));
-    const MeasuredTerms& m = scratch.measured[0];
-    if (m.pearson && in_pearson(in, scratch.validity[i], i)) {
-      const double a = static_cast<double>(scratch.depth[i]) - m.mean_rendered;
-      const double b = static_cast<double>(in.view.prior_depth[i]) - m.mean_prior;
-      sums[kPearsonRenderedSquares] = static_cast<float>(a * a);
-      sums[kPearsonPriorSquares] = static_cast<float>(b * b);
-      sums[kPearsonProducts] = static_cast<float>(a * b);
-    }
-    if (in.settings.weight[Loss::kNormalConsistency] != 0) compare_depth_normal(in, scratch, x, y, i, d_normal, sums);
-    if (in.settings.weight[Loss::kNormalBoundary] != 0 || in.settings.weight[Loss::kCrease] != 0) {
-      compare_pairs(in, scratch, x, y, i, sums);
-    }
-  }
-  store_partial_sums(sums, partial);
-}
-
-__global__ void __launch_bounds__(kSumThreads)
-    finish_compare_kernel(MapTermInputs in, DeviceSpan<const double> partial, MapTermScratch scratch,
-                          DeviceSpan<LossTerms> terms) {
-  double s[kComparedSums];
-  load_partial_sums(partial, s);
-  if (threadIdx.x != 0) return;
-  const double pixels = static_cast<double>(pixels_of(in));
-  const MeasuredTerms& m = scratch.measured[0];
-  const LossSettings& set = in.settings;
-  ComparedTerms c{};
-  if (m.pearson) {
-    c.pearson = pearson_result({m.pearson_count, m.mean_rendered, m.mean_prior, s[kPearsonRenderedSquares],
-                                s[kPearsonPriorSquares], s[kPearsonProducts]},
-                               set.weight[Loss::kPearson]);
-  }
-  if (enough_valid(s[kConsistencyCount], pixels)) {
-    c.consistency = s[kConsistencyValue] / s[kConsistencyCount];
-    c.consistency_step = static_cast<float>(set.weight[Loss::kNormalConsistency] / s[kConsistencyCount]);
-  }
-  if (s[kBoundaryCount] > 0) {
-    c.boundary = s[kBoundaryValue] / s[kBoundaryCount];
-    c.boundary_step = set.weight[Loss::kNormalBoundary] / s[kBoundaryCount];
-  }
-  if (s[kCreaseWeight] > 0) {
-    const double least = kCreaseMinimumShare * pixels, divisor = s[kCreaseWeight] > least ? s[kCreaseWeight] : least;
-    c.crease = s[kCreaseValue] / divisor;
-    c.crease_step = -set.weight[Loss::kCrease] / divisor;
-  }
-  scratch.compared[0] = c;
-  LossTerms& t = terms[0];
-  t.add(Loss::kPearson, set.weight[Loss::kPearson], c.pearson.loss);
-  add_pixel_values(PixelTerms{}, set, m, t);
-  t.add(Loss::kNormalConsistency, set.weight[Loss::kNormalConsistency], c.consistency);
-  t.add(Loss::kNormalBoundary, set.weight[Loss::kNormalBoundary], c.boundary);
-  t.add(Loss::kCrease, set.weight[Loss::kCrease], c.crease);
 }
 
 }  // namespace aligngs::cuda

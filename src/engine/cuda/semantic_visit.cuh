@@ -1,10 +1,7 @@
-// Kernel of semantic_visit.h: one block of threads per tile. It visits the tile's blocks of pixels in turn, four of 8 x
-// 8 or one of 16 x 16 (VisitForm):
+// Steps of the kernel of semantic_visit.cu for one block of pixels:
 //   forwards, a few Gaussians at a time: weights W to shared memory in bfloat16, P += W^T S in registers;
 //   P to shared memory, the loss by one warp per pixel, dP and H in bfloat16 into the place of P;
 //   backwards, a few Gaussians at a time: weights again, Q = S H^T, the sweep from the back, dS = W dP.
-// dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes.
-// The first of its blocks sets them, later ones add. So every sum has a fixed order.
 #pragma once
 
 #include "engine/cuda/semantic_pixel.cuh"
@@ -265,72 +262,6 @@ __device__ __forceinline__ void block_gradients(const Visit<Form>& v, int b, uin
       }
       row_gradients(v, n);
     }
-  }
-}
-
-template <class Form, int kGroups>
-__global__ void __launch_bounds__(Form::kThreads)
-    semantic_visit_kernel(SemanticVisitInputs in, SemanticVisitOutputs out, int padded) {
-  constexpr int kTileWarps = kTilePixels / kWarp;
-  const VisitLayout<Form> layout{padded};
-  VisitShared<Form>& s = *dynamic_shared<VisitShared<Form>>();
-  const int thread = static_cast<int>(threadIdx.x), tile = static_cast<int>(blockIdx.x);
-  Visit<Form> v{in,
-                out,
-                layout,
-                s,
-                dynamic_shared<float>(layout.blended_at()),
-                dynamic_shared<Bf16>(layout.rows_at()),
-                dynamic_shared<float>(layout.rows_at()),
-                tile,
-                tile % in.view.tiles_x,
-                tile / in.view.tiles_x,
-                thread,
-                thread / kWarp,
-                thread % kWarp,
-                in.lists.tile_begin[tile],
-                0,
-                0};
-
-  // Thread i looks at pixel i of the tile: how far its list goes, and which blocks have a teacher.
-  const int x = v.tile_x * kTileSize + tile_pixel_x(thread), y = v.tile_y * kTileSize + tile_pixel_y(thread);
-  const bool inside = thread < kTilePixels && x < in.view.width && y < in.view.height;
-  const bool valid = inside && in.sample.takes(x, y) && in.teacher.top_class[size_t(y) * in.view.width + x] != kNoLabel;
-  const uint32_t last = inside ? in.record.last[size_t(tile) * kTilePixels + thread] : 0;
-  const uint32_t warp_last = __reduce_max_sync(kFullWarp, last);
-  const unsigned votes = __ballot_sync(kFullWarp, valid);
-  if (v.lane == 0) {
-    s.last[v.warp] = warp_last;
-    s.teacher[v.warp] = votes;
-  }
-  __syncthreads();
-  for (int w = 0; w < kTileWarps; ++w) {
-    v.end = s.last[w] > v.end ? s.last[w] : v.end;
-    v.teacher |= s.teacher[w] != 0 ? 1u << (w * kWarp / Form::kPixels) : 0u;
-  }
-  __syncthreads();
-
-  double soft = 0, hard = 0;
-  for (int b = 0; b < Form::kBlocks; ++b) {
-    if (((v.teacher >> b) & 1u) == 0) continue;
-    const int i = b * Form::kPixels + v.pixel();
-    const bool pixel_inside = v.tile_x * kTileSize + tile_pixel_x(i) < in.view.width &&
-                              v.tile_y * kTileSize + tile_pixel_y(i) < in.view.height;
-    const uint32_t pixel_last = pixel_inside ? in.record.last[size_t(tile) * kTilePixels + i] : 0;
-    const float t = blend_rows<Form, kGroups>(v, b, pixel_last);
-    block_loss<Form, kGroups>(v, b, soft, hard);
-    block_gradients(v, b, pixel_last, t);
-    __syncthreads();
-  }
-  if (v.lane == 0) {
-    s.terms[v.warp][kSoftTerm] = soft;
-    s.terms[v.warp][kHardTerm] = hard;
-  }
-  __syncthreads();
-  if (thread < kSemanticTerms) {
-    double sum = 0;
-    for (int w = 0; w < Form::kWarps; ++w) sum += s.terms[w][thread];
-    out.tile_terms[kSemanticTerms * size_t(tile) + thread] = sum;
   }
 }
 

@@ -17,15 +17,14 @@ void PackedMatrix::multiply(const float* x, int64_t rows, float* y, Scratch& scr
 
 std::shared_ptr<MatrixBackend> make_matrix_backend(const ComputeOptions& options) {
   if (options.precision == Precision::kBfloat16 && options.onednn && onednn_multiplies_bfloat16())
-    return make_onednn_backend(options.precision);
+    return make_onednn_backend();
   return make_vector_backend(options.precision);
 }
 
 bool onednn_multiplies_bfloat16() {
 #if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
   __builtin_cpu_init();
-  static const bool multiplies =
-      __builtin_cpu_supports("avx512bf16") && make_onednn_backend(Precision::kBfloat16) != nullptr;
+  static const bool multiplies = __builtin_cpu_supports("avx512bf16") && make_onednn_backend() != nullptr;
   return multiplies;
 #else
   return false;

@@ -51,8 +51,8 @@ std::shared_ptr<MatrixBackend> make_matrix_backend(const ComputeOptions& options
 
 /// Products of float32 vectors, whatever the weights are stored as.
 std::shared_ptr<MatrixBackend> make_vector_backend(Precision precision);
-/// nullptr when oneDNN was not built in or does not support the precision on this processor.
-std::shared_ptr<MatrixBackend> make_onednn_backend(Precision precision);
+/// Products of bfloat16; nullptr when oneDNN was not built in or does not support them on this processor.
+std::shared_ptr<MatrixBackend> make_onednn_backend();
 /// Whether oneDNN was built in and this processor has instructions for it, vectors or matrix tiles.
 bool onednn_multiplies_bfloat16();
 

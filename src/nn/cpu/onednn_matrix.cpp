@@ -1,4 +1,4 @@
-// The only file that knows oneDNN (2.6 of Debian 12, and 3.x): products of matrices on one thread.
+// The only file that knows oneDNN (2.6 of Debian 12, and 3.x): products of bfloat16 matrices on one thread.
 #include "nn/cpu/matrix_backend.h"
 
 #ifdef ALIGNGS_WITH_ONEDNN
@@ -16,6 +16,8 @@ namespace aligngs::nn {
 namespace {
 
 using dnnl::memory;
+
+constexpr memory::data_type kBfloat16 = memory::data_type::bf16;
 
 /// oneDNN is built on OpenMP, whose threads spin; while one of these lives, the calling thread uses
 /// no other. The functions are looked up in whichever OpenMP library oneDNN brought with it.
@@ -50,13 +52,12 @@ struct Product {
 
 class Products {
  public:
-  explicit Products(memory::data_type type) : engine_(dnnl::engine::kind::cpu, 0), type_(type) {}
+  Products() : engine_(dnnl::engine::kind::cpu, 0) {}
 
   const dnnl::engine& engine() const { return engine_; }
-  memory::data_type type() const { return type_; }
 
   memory::desc weights(int64_t inputs, int64_t outputs) {
-    const memory::desc any({inputs, outputs}, type_, memory::format_tag::any);
+    const memory::desc any({inputs, outputs}, kBfloat16, memory::format_tag::any);
     constexpr int64_t kTypicalRows = 256;
     return describe(kTypicalRows, inputs, outputs, any).weights_desc();
   }
@@ -77,7 +78,7 @@ class Products {
  private:
   dnnl::matmul::primitive_desc describe(int64_t rows, int64_t inputs, int64_t outputs,
                                         const memory::desc& weights) const {
-    const memory::desc x({rows, inputs}, type_, memory::format_tag::ab);
+    const memory::desc x({rows, inputs}, kBfloat16, memory::format_tag::ab);
     const memory::desc y({rows, outputs}, memory::data_type::f32, memory::format_tag::ab);
     dnnl::primitive_attr attributes;
     attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);
@@ -89,7 +90,6 @@ class Products {
   }
 
   dnnl::engine engine_;
-  memory::data_type type_;
   std::mutex mutex_;
   std::map<std::tuple<int64_t, int64_t, int64_t>, Product> products_;
 };
@@ -97,9 +97,7 @@ class Products {
 class OnednnMatrix : public PackedMatrix {
  public:
   OnednnMatrix(std::shared_ptr<Products> products, const float* weights, int64_t outputs, int64_t inputs)
-      : PackedMatrix(outputs, inputs,
-                     products->type() == memory::data_type::f32 ? Precision::kFloat32 : Precision::kBfloat16),
-        products_(std::move(products)) {
+      : PackedMatrix(outputs, inputs, Precision::kBfloat16), products_(std::move(products)) {
     const OneThread one;
     description_ = products_->weights(inputs, outputs);
     packed_ = AlignedBytes(description_.get_size());
@@ -140,7 +138,6 @@ class OnednnMatrix : public PackedMatrix {
 
 class OnednnBackend : public MatrixBackend {
  public:
-  explicit OnednnBackend(memory::data_type type) : products_(std::make_shared<Products>(type)) {}
   std::string name() const override { return "oneDNN"; }
   std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs) const override {
     try {
@@ -151,15 +148,13 @@ class OnednnBackend : public MatrixBackend {
   }
 
  private:
-  std::shared_ptr<Products> products_;
+  std::shared_ptr<Products> products_ = std::make_shared<Products>();
 };
 
 }  // namespace
 
-std::shared_ptr<MatrixBackend> make_onednn_backend(Precision precision) {
-  if (precision == Precision::kFloat16) return nullptr;  // widening weights in the cache is ours
-  const bool half = precision == Precision::kBfloat16;
-  auto backend = std::make_shared<OnednnBackend>(half ? memory::data_type::bf16 : memory::data_type::f32);
+std::shared_ptr<MatrixBackend> make_onednn_backend() {
+  auto backend = std::make_shared<OnednnBackend>();
   try {  // whether it supports the type on this processor shows when it is asked
     constexpr int64_t kSmall = 16;
     const std::vector<float> zeros(kSmall * kSmall, 0.0f);
@@ -175,7 +170,7 @@ std::shared_ptr<MatrixBackend> make_onednn_backend(Precision precision) {
 #else
 
 namespace aligngs::nn {
-std::shared_ptr<MatrixBackend> make_onednn_backend(Precision) { return nullptr; }
+std::shared_ptr<MatrixBackend> make_onednn_backend() { return nullptr; }
 }  // namespace aligngs::nn
 
 #endif

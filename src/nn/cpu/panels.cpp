@@ -17,8 +17,8 @@ namespace HWY_NAMESPACE {
 constexpr size_t kVectors = size_t(kPanel) / kLanes;  // per row of a panel
 // Register tiles: kTile rows of kJoined panels, of 32 registers with AVX-512 and 16 otherwise. Each number of a row is
 // used for all vectors of the tile, so that loads are fewer than multiplications.
-constexpr size_t kJoined = kVectors == 1 ? 2 : 1;
-constexpr size_t kTile = kVectors == 1 ? 12 : kVectors == 2 ? 6 : kVectors == 4 ? 2 : 1;
+constexpr size_t kJoined = kVectors == 1 ? size_t(kJoinedPanels) : 1;
+constexpr size_t kTile = kVectors == 1 ? 8 : kVectors == 2 ? 6 : kVectors == 4 ? 2 : 1;
 
 template <size_t kRows, size_t kPanels>
 HWY_INLINE void multiply_tile(const PanelProduct& p, const float* b, float* c, int64_t row) {

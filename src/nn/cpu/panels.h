@@ -6,7 +6,7 @@
 namespace aligngs::nn {
 
 inline constexpr int64_t kPanel = 16;        ///< columns: one vector of AVX-512, two of AVX2, four of SSE
-inline constexpr int64_t kJoinedPanels = 2;  ///< that are multiplied at once with AVX-512
+inline constexpr int64_t kJoinedPanels = 3;  ///< that are multiplied at once with AVX-512
 
 /// c[r, p, :] = sum over k of a[r, k] b[p, k, :], for every row r and panel p.
 struct PanelProduct {
@@ -15,7 +15,7 @@ struct PanelProduct {
   int64_t rows, depth;
   const float* b;          ///< [panels][depth, 16]
   int64_t b_stride;        ///< floats from panel to panel
-  int64_t panels;          ///< pairs of them are fastest with AVX-512
+  int64_t panels;          ///< groups of kJoinedPanels are fastest with AVX-512
   float* c;                ///< [rows][panels][16], as the strides say
   int64_t c_stride;        ///< floats from row to row
   int64_t c_panel_stride;  ///< floats from panel to panel

@@ -10,8 +10,8 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr int64_t kMostDepth = 256;    // of a block: two panels of it, 32 KB, stay in the first cache
-constexpr int64_t kGroupPanels = 16;   // of which sums stay in the second cache: 256 KB for 256 rows
+constexpr int64_t kMostDepth = 256;    // of a block: a panel of it, 16 KB, stays in the first cache
+constexpr int64_t kGroupPanels = 18;   // of which sums stay in the second cache: 288 KB for 256 rows
 constexpr int64_t kRowPadding = 16;    // floats: rows of a block lie in different sets of the first cache
 constexpr float kLargestHalf = 65504;  // of float16
 
