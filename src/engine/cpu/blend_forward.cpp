@@ -76,33 +76,33 @@ struct PixelSums {
   FloatVec color[3], alpha, normal[3], distance, expected, median;
   hn::Vec<PlaceTag> last;
 };
-template <bool kGeometry>
+template <BlendedMaps kMaps>
 HWY_INLINE PixelSums load_sums(const BlockMaps& maps, size_t at) {
   const FloatTag d;
   const FloatVec zero = hn::Zero(d);
   PixelSums s{{zero, zero, zero}, zero, {zero, zero, zero}, zero, zero, zero, hn::Load(PlaceTag(), maps.last + at)};
   for (int k = 0; k < 3; ++k) s.color[k] = hn::Load(d, maps.color[k] + at);
   s.alpha = hn::Load(d, maps.alpha + at);
-  if constexpr (kGeometry) {
+  if constexpr (has_geometry(kMaps)) {
     for (int k = 0; k < 3; ++k) s.normal[k] = hn::Load(d, maps.normal[k] + at);
     s.distance = hn::Load(d, maps.distance + at);
     s.expected = hn::Load(d, maps.expected + at);
-    s.median = hn::Load(d, maps.median + at);
   }
+  if constexpr (has_median(kMaps)) s.median = hn::Load(d, maps.median + at);
   return s;
 }
-template <bool kGeometry>
+template <BlendedMaps kMaps>
 HWY_INLINE void store_sums(const PixelSums& s, BlockMaps& maps, size_t at) {
   const FloatTag d;
   for (int k = 0; k < 3; ++k) hn::Store(s.color[k], d, maps.color[k] + at);
   hn::Store(s.alpha, d, maps.alpha + at);
   hn::Store(s.last, PlaceTag(), maps.last + at);
-  if constexpr (kGeometry) {
+  if constexpr (has_geometry(kMaps)) {
     for (int k = 0; k < 3; ++k) hn::Store(s.normal[k], d, maps.normal[k] + at);
     hn::Store(s.distance, d, maps.distance + at);
     hn::Store(s.expected, d, maps.expected + at);
-    hn::Store(s.median, d, maps.median + at);
   }
+  if constexpr (has_median(kMaps)) hn::Store(s.median, d, maps.median + at);
 }
 
 /// The Gaussians taken from the tile's list at a time.
@@ -114,7 +114,7 @@ struct GatheredSplats {
 
 /// Blends a list of a batch's Gaussians into the pixels of one vector. Its first pixel is number `at` of the block at
 /// (x, y). `strip` is the bit of their strip. Returns false when all of them are closed.
-template <bool kGeometry, bool kSmooth>
+template <BlendedMaps kMaps, bool kSmooth>
 bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t count, const AlphaConstants& constants,
                   const ProjectionCamera<float>& camera, int x, int y, size_t at, unsigned strip, BlockMaps& maps) {
   const FloatTag d;
@@ -122,8 +122,8 @@ bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t coun
   const FloatVec zero = hn::Zero(d), half = hn::Set(d, float(kMedianTransmittance));
   const FloatVec pixel_x = pixel_centres_x(x, at), pixel_y = pixel_centres_y(y, at);
   RayLanes ray{zero, zero, zero};
-  if constexpr (kGeometry) ray = ray_lanes(camera, pixel_x, pixel_y);
-  PixelSums sums = load_sums<kGeometry>(maps, at);
+  if constexpr (has_geometry(kMaps)) ray = ray_lanes(camera, pixel_x, pixel_y);
+  PixelSums sums = load_sums<kMaps>(maps, at);
   FloatVec t = hn::Load(d, maps.transmittance + at);
   bool open = true;
   bool undecided = !hn::AllFalse(d, hn::Ge(t, half));  // some pixel has no median depth yet
@@ -138,12 +138,12 @@ bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t coun
     const auto place = hn::Set(di, batch.place + static_cast<int32_t>(list[i]));
     sums.last = hn::IfThenElse(hn::RebindMask(di, a.taken), place, sums.last);
     batch.strips[list[i]] |= static_cast<uint16_t>(hn::AllFalse(d, a.taken) ? 0u : strip);
-    if constexpr (kGeometry) {
+    if constexpr (has_geometry(kMaps)) {
       for (int k = 0; k < 3; ++k) sums.normal[k] = hn::MulAdd(w, hn::Set(d, g.normal[k]), sums.normal[k]);
       sums.distance = hn::MulAdd(w, hn::Set(d, g.distance), sums.distance);
       const FloatVec z = intersection(d, g, ray.x, ray.y, ray.grazing);
       sums.expected = hn::MulAdd(w, z, sums.expected);
-      if (undecided) {
+      if (has_median(kMaps) && undecided) {
         const auto crossing = hn::And(a.taken, hn::And(hn::Ge(before, half), hn::Lt(t, half)));
         sums.median = hn::IfThenElse(crossing, z, sums.median);
         undecided = !hn::AllFalse(d, hn::Ge(t, half));
@@ -151,7 +151,7 @@ bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t coun
     }
     open = !hn::AllFalse(d, hn::Gt(t, zero));
   }
-  store_sums<kGeometry>(sums, maps, at);
+  store_sums<kMaps>(sums, maps, at);
   hn::Store(t, d, maps.transmittance + at);
   return open;
 }
@@ -234,8 +234,8 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
           still |=
               find_medians<kSmooth>(batch, reached, counts[strip], constants, view.camera, x, y, at, out.blocks[b]);
         } else {
-          still |= blend_pixels<kMaps == BlendedMaps::kAll, kSmooth>(batch, reached, counts[strip], constants,
-                                                                     view.camera, x, y, at, 1u << strip, out.blocks[b]);
+          still |= blend_pixels<kMaps, kSmooth>(batch, reached, counts[strip], constants, view.camera, x, y, at,
+                                                1u << strip, out.blocks[b]);
         }
       }
       open[strip] = still;
@@ -272,6 +272,8 @@ void BlendTileForward(const ProjectedView& view, const TileLists& lists, int til
     blend_tile<BlendedMaps::kAll, true>(view, lists, tile_x, tile_y, raster, seen, out);
   } else if (maps == BlendedMaps::kAll) {
     blend_tile<BlendedMaps::kAll, false>(view, lists, tile_x, tile_y, raster, seen, out);
+  } else if (maps == BlendedMaps::kLosses) {
+    blend_tile<BlendedMaps::kLosses, false>(view, lists, tile_x, tile_y, raster, seen, out);
   } else {
     blend_tile<BlendedMaps::kColor, false>(view, lists, tile_x, tile_y, raster, seen, out);
   }

@@ -23,7 +23,15 @@ struct BlockMaps {
 
 /// Maps that a pass over the tiles blends. With kMedian a pixel ends where its median depth is known: nothing else is
 /// valid then, `seen` and the strips neither.
-enum class BlendedMaps : uint8_t { kColor, kAll, kMedian };
+enum class BlendedMaps : uint8_t {
+  kColor,
+  kLosses,  ///< all but the median depth, which no loss reads
+  kAll,
+  kMedian
+};
+/// Whether normals, distance and expected depth are among them.
+constexpr bool has_geometry(BlendedMaps maps) { return maps == BlendedMaps::kLosses || maps == BlendedMaps::kAll; }
+constexpr bool has_median(BlendedMaps maps) { return maps == BlendedMaps::kAll || maps == BlendedMaps::kMedian; }
 
 /// Scratch of one thread.
 struct TileForward {

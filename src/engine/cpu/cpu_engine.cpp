@@ -148,7 +148,7 @@ bool CpuEngine::render_neighbour(const StepRequest& request) {
   const RasterSettings raster = request.neighbour_raster();
   prepare_frame(view.data.camera, raster, request.sh_degree);
   if (frame_.view.non_finite >= 0) return false;
-  forward_pass({frame_.view, frame_.lists, raster}, BlendedMaps::kAll, *pool_, scratch_, frame_.maps, nullptr);
+  forward_pass({frame_.view, frame_.lists, raster}, BlendedMaps::kLosses, *pool_, scratch_, frame_.maps, nullptr);
   keep_neighbour_depth<float>({frame_.maps, view, request.losses, pool_.get(), nullptr}, loss_workspace_);
   return true;
 }
@@ -184,7 +184,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   const bool rounded = semantics && products_ != SemanticProducts::kFloat32 && matrix_tiles_available();
 
   const ViewTiles tiles{frame_.view, frame_.lists, request.raster};
-  forward_pass(tiles, geometry ? BlendedMaps::kAll : BlendedMaps::kColor, *pool_, scratch_, frame_.maps,
+  forward_pass(tiles, geometry ? BlendedMaps::kLosses : BlendedMaps::kColor, *pool_, scratch_, frame_.maps,
                &frame_.record);
   report.visible = mark_touched(frame_.lists, frame_.record, *pool_, gradients_.touched);
   watch.lap("forward");

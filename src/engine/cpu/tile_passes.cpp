@@ -62,22 +62,23 @@ void size_map(size_t count, std::vector<float>& map) {
   if (grows) ask_for_huge_pages(map);
 }
 
-void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
+void size_maps(int width, int height, BlendedMaps blended, RenderMaps<float>& maps) {
   const size_t n = size_t(width) * height;
   maps.width = width;
   maps.height = height;
   size_map(3 * n, maps.color);
   size_map(n, maps.alpha);
-  for (auto [plane, count] : {std::pair<std::vector<float>*, size_t>{&maps.normal, 3 * n},
-                              {&maps.distance, n},
-                              {&maps.expected, n},
-                              {&maps.median, n}}) {
-    if (geometry) {
-      size_map(count, *plane);
+  const auto size_or_clear = [](bool given, size_t count, std::vector<float>& map) {
+    if (given) {
+      size_map(count, map);
     } else {
-      plane->assign(count, 0.0f);
+      map.assign(count, 0.0f);
     }
-  }
+  };
+  size_or_clear(has_geometry(blended), 3 * n, maps.normal);
+  size_or_clear(has_geometry(blended), n, maps.distance);
+  size_or_clear(has_geometry(blended), n, maps.expected);
+  if (has_median(blended)) size_map(n, maps.median);
 }
 
 void load_gradients(const TileWeights& tile, const ProjectedView& view, const BackwardMaps& maps, bool geometry,
@@ -144,13 +145,13 @@ void size_slots(size_t instances, SlotGradients& out) {
 void forward_pass(const ViewTiles& tiles, BlendedMaps blended, ThreadPool& pool, std::vector<TileScratch>& scratch,
                   RenderMaps<float>& maps, BlendRecord* record) {
   const ProjectedView& view = tiles.view;
-  const bool geometry = blended == BlendedMaps::kAll, median_alone = blended == BlendedMaps::kMedian;
+  const bool geometry = has_geometry(blended), median_alone = blended == BlendedMaps::kMedian;
   if (median_alone) {
     maps.width = view.width;
     maps.height = view.height;
     size_map(size_t(view.width) * view.height, maps.median);
   } else {
-    size_maps(view.width, view.height, geometry, maps);
+    size_maps(view.width, view.height, blended, maps);
   }
   if (record != nullptr) {
     record->strips.resize(tiles.lists.instances());
@@ -160,7 +161,8 @@ void forward_pass(const ViewTiles& tiles, BlendedMaps blended, ThreadPool& pool,
   const size_t n = maps.pixels();
   std::vector<const std::vector<float>*> written{&maps.median};
   if (!median_alone) written = {&maps.color, &maps.alpha};
-  if (geometry) written.insert(written.end(), {&maps.normal, &maps.distance, &maps.expected, &maps.median});
+  if (geometry) written.insert(written.end(), {&maps.normal, &maps.distance, &maps.expected});
+  if (blended == BlendedMaps::kAll) written.push_back(&maps.median);
   pool.parallel_for(view.tiles(), kTilesPerTask, [&](size_t begin, size_t end, int worker) {
     TileForward& s = scratch[static_cast<size_t>(worker)].forward;
     for (size_t tile = begin; tile < end; ++tile) {
@@ -176,7 +178,7 @@ void forward_pass(const ViewTiles& tiles, BlendedMaps blended, ThreadPool& pool,
                                  view.width, view.height);
         if (c.width == 0 || c.height == 0) continue;
         const BlockMaps& block = s.blocks[b];
-        if (geometry || median_alone) write_block(block.median, c, view.width, maps.median.data());
+        if (has_median(blended)) write_block(block.median, c, view.width, maps.median.data());
         if (median_alone) continue;
         for (int k = 0; k < 3; ++k) write_block(block.color[k], c, view.width, maps.color.data() + k * n);
         write_block(block.alpha, c, view.width, maps.alpha.data());
