@@ -25,7 +25,8 @@ using Json = nlohmann::json;
 
 namespace {
 
-std::string report_text(const EditReport& report, const LabelSet& labels) {
+/// `stored`: the edit joined those of the run, so that it can be undone.
+std::string report_text(const EditReport& report, const LabelSet& labels, bool stored) {
   std::string text = report.description + "\n";
   for (const SelectedObject& object : report.objects) {
     text += "  " + object_name(object, labels) + ": " + std::to_string(object.gaussians) + " Gaussians\n";
@@ -45,7 +46,7 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   for (const SelectedObject& part : report.parts)
     text += "taken along  " + object_name(part, labels) + ": belongs to the selected objects\n";
   for (const std::string& warning : report.warnings)
-    text += "warning      " + warning + "; --undo takes the edit back\n";
+    text += "warning      " + warning + (stored ? "; --undo takes the edit back\n" : "\n");
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
   if (!report.contents.empty()) {
     std::string names;
@@ -124,7 +125,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     json["picture"] = picture_file;
     json["view"] = picture.view;
     return print_result(context, json,
-                        report_text(report, labels) + "picture      " + picture_file + " (view " + picture.view +
+                        report_text(report, labels, false) + "picture      " + picture_file + " (view " + picture.view +
                             "); nothing else was written\n");
   }
   if (!options.output.empty()) {
@@ -135,12 +136,12 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     render_views(edited, render);
     Json json = report_json(report, labels);
     json["run"] = options.output;
-    return print_result(context, json, report_text(report, labels) + "run          " + options.output + "\n");
+    return print_result(context, json, report_text(report, labels, false) + "run          " + options.output + "\n");
   }
   BeforeAfter picture;
   const EditReport report = session.push(edit, picture_file.empty() ? nullptr : &picture);
   Json json = report_json(report, labels);
-  std::string text = report_text(report, labels);
+  std::string text = report_text(report, labels, true);
   if (!picture_file.empty()) {
     write_before_after(picture_file, picture);
     json["picture"] = picture_file;

@@ -85,15 +85,11 @@ void print_export(const CommandContext& context, const RunExport& made, const Ru
   uint64_t bytes = 0;
   for (const std::filesystem::path& f : report.files) bytes += std::filesystem::file_size(f);
   if (context.global.json) {
-    nlohmann::json document = {{"file", file.string()},
-                               {"bytes", bytes},
-                               {"gaussians", report.gaussians},
-                               {"objects", report.objects},
-                               {"edits", made.edits},
-                               {"aligned", made.aligned},
-                               {"before", made.before},
-                               {"triangles", report.triangles},
-                               {"triangles_before", report.triangles_before}};
+    nlohmann::json document = {{"file", file.string()},         {"bytes", bytes},
+                               {"gaussians", report.gaussians}, {"invisible", report.invisible},
+                               {"objects", report.objects},     {"edits", made.edits},
+                               {"aligned", made.aligned},       {"before", made.before},
+                               {"triangles", report.triangles}, {"triangles_before", report.triangles_before}};
     document["files"] = nlohmann::json::array();
     for (const std::filesystem::path& f : report.files) document["files"].push_back(f.string());
     if (what.closed) document["open_edges"] = report.open_edges;
@@ -102,6 +98,7 @@ void print_export(const CommandContext& context, const RunExport& made, const Ru
   }
   std::string text = fmt::format("{}: {:.2f} MB", file.string(), static_cast<double>(bytes) / 1e6);
   if (report.gaussians > 0) text += fmt::format(", {} Gaussians", report.gaussians);
+  if (report.invisible > 0) text += fmt::format(" without {} that nobody can see", report.invisible);
   if (report.triangles > 0) text += fmt::format(", {} triangles", report.triangles);
   if (report.triangles < report.triangles_before) text += fmt::format(" of {}", report.triangles_before);
   if (report.objects > 0) text += fmt::format(", {} objects", report.objects);
@@ -165,8 +162,9 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--original", options->what.original, "leave out the edits of the run");
   command->add_flag("--no-before", options->no_before,
                     "html: leave out the room before its edits, and with it what they deleted");
-  command->add_flag("--keep-frame", options->keep_frame,
-                    "leave coordinates as they are (default: as room.json has them, if the run has it)");
+  command->add_flag(
+      "--keep-frame", options->keep_frame,
+      "coordinates of the scene, in the axes of the format (default: as room.json has them, if the run has it)");
   command
       ->add_flag("--original-coordinates", options->original_coordinates,
                  "coordinates of the files that the scene was imported from")

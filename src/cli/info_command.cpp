@@ -12,6 +12,7 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
+#include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
 #include "io/byte_source.h"
 #include "io/image_file.h"
@@ -61,6 +62,17 @@ Json label_counts(const PlyElement& vertices, const LabelSet& labels) {
   return classes;
 }
 
+/// Why the program cannot use a file of Gaussians; empty where it can.
+std::string fault_of_gaussians(const fs::path& path) {
+  try {
+    read_gaussian_ply(path);
+    return {};
+  } catch (const Error& error) {
+    const std::string& field = error.details().field;
+    return (field.empty() ? "" : field + ": ") + error.details().message;
+  }
+}
+
 Json info_of_ply(const fs::path& path) {
   const PlyFile file = read_ply(path);
   const PlyElement* vertices = file.find("vertex");
@@ -69,13 +81,19 @@ Json info_of_ply(const fs::path& path) {
   if (!vertices)
     throw_bad_input(path, "vertex", "the file has no vertices", "give a Gaussian scene, a mesh or a point cloud");
   const bool gaussians = vertices->find("opacity") && vertices->find("scale_0") && vertices->find("rot_0");
-  info["kind"] = gaussians ? "Gaussian scene" : faces && faces->count ? "triangle mesh" : "point cloud";
+  const bool packed = vertices->find("packed_position") != nullptr;
+  info["kind"] = gaussians               ? "Gaussian scene"
+                 : packed                ? "packed Gaussian scene of SuperSplat"
+                 : faces && faces->count ? "triangle mesh"
+                                         : "point cloud";
+  if (packed) info["not_usable"] = "packed values are not read: export the scene as PLY without compression";
   info[gaussians ? "gaussians" : "vertices"] = vertices->count;
   if (faces) info["faces"] = faces->count;
   info["properties"] = vertices->properties.size();
   if (gaussians) {
     const bool strict = vertices->properties.size() == 62;
     info["layout"] = strict ? "standard 62-float 3DGS" : vertices->find("label") ? "3DGS with labels" : "3DGS variant";
+    if (const std::string fault = fault_of_gaussians(path); !fault.empty()) info["not_usable"] = fault;
   }
   info["bounds"] = bounds_of(*vertices);
   const Json classes = label_counts(*vertices, ade20k_labels());

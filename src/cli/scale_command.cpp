@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/help_text.h"
@@ -50,7 +51,7 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
   struct Options {
     std::string run, object;
     std::vector<std::string> between;
-    double height = 0, width = 0, depth = 0, length = 0;
+    std::optional<double> height, width, depth, length;
     bool reset = false;
   };
   auto options = std::make_shared<Options>();
@@ -78,17 +79,17 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
       const Vec3d a = point_of(options->between[0]), b = point_of(options->between[1]);
       room = scaled_between(before, a, b, number_of(options->between[2]));
     } else if (!options->object.empty()) {
-      const std::pair<KnownSide, double> given[] = {{KnownSide::kHeight, options->height},
-                                                    {KnownSide::kWidth, options->width},
-                                                    {KnownSide::kDepth, options->depth},
-                                                    {KnownSide::kLength, options->length}};
-      const auto chosen =
-          std::find_if(std::begin(given), std::end(given), [](const auto& side) { return side.second != 0; });
-      const auto count = std::count_if(std::begin(given), std::end(given), [](const auto& s) { return s.second != 0; });
+      const std::pair<KnownSide, std::optional<double>> given[] = {{KnownSide::kHeight, options->height},
+                                                                   {KnownSide::kWidth, options->width},
+                                                                   {KnownSide::kDepth, options->depth},
+                                                                   {KnownSide::kLength, options->length}};
+      const auto is_given = [](const auto& side) { return side.second.has_value(); };
+      const auto chosen = std::find_if(std::begin(given), std::end(given), is_given);
+      const auto count = std::count_if(std::begin(given), std::end(given), is_given);
       if (count > 1) throw_usage("two lengths may say two scales", "give one of --height, --width, --depth, --length");
       if (chosen == std::end(given))
         throw_usage("the length is missing", "give one of --height, --width, --depth, --length");
-      room = scaled_to(before, measured_side(before, options->object, chosen->first), chosen->second);
+      room = scaled_to(before, measured_side(before, options->object, chosen->first), *chosen->second);
     } else {
       throw_usage("nothing says what the scale is",
                   "give --object NAME --height METRES, or --between A B METRES, or --reset");
@@ -101,7 +102,7 @@ void add_scale_command(CLI::App& program, CommandContext& context) {
                                        {"file", file.string()}};
       print_json(document);
     } else {
-      std::printf("lengths are multiplied by %.4f; scale %s\n%s", factor, name_of(room.scale_source),
+      std::printf("lengths are multiplied by %.6g; scale %s\n%s", factor, name_of(room.scale_source),
                   room_summary(room).c_str());
     }
   });

@@ -190,8 +190,11 @@ Vec3d parse_shift(std::string_view text) {
     if (!shift) shift = three_numbers(trimmed(text), separator);
   }
   if (!shift) {
-    throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no motion",
-                "give three numbers: to the right, upwards, towards the viewer, for example \"0.5,0,-0.2\"");
+    throw_usage(
+        "\"" + std::string(text.substr(0, 40)) + "\" is no motion",
+        fmt::format("give three numbers of at most {:.0f}: to the right, upwards, towards the viewer, for example "
+                    "\"0.5,0,-0.2\"",
+                    kLongestShift));
   }
   return *shift;
 }

@@ -109,6 +109,15 @@ TEST(MotionText, OtherTextsHaveNone) {
     EXPECT_EQ(taken(text).second, "none") << text;
 }
 
+TEST(MotionText, TheRemedyTellsTheLargestShift) {
+  try {
+    parse_shift("1e9,0,0");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.details().remedy, testing::HasSubstr("at most 1000"));
+  }
+}
+
 TEST(MotionText, NumbersAreBounded) {
   for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "1e9,0,0", "nan,0,0", ""})
     EXPECT_THROW(parse_shift(text), Error) << text;

@@ -2,6 +2,7 @@
 #include "io/colmap.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "io/colmap_text.h"
 #include "io/colmap_validity.h"
 #include "io/ply.h"
+#include "io/ply_colors.h"
 #include "io/text_tokens.h"
 #include "io/waiting_file.h"
 
@@ -186,16 +188,16 @@ std::vector<ColmapPoint> points_of_ply(const fs::path& path) {
   const PlyElement* vertices = file.find("vertex");
   const auto column = [&](const char* name) { return vertices ? vertices->find(name) : nullptr; };
   const PlyProperty* position[3] = {column("x"), column("y"), column("z")};
-  const PlyProperty* color[3] = {column("red"), column("green"), column("blue")};
   if (!position[0] || !position[1] || !position[2])
     throw_bad_input(path, "vertex", "no x, y, z", "export the points again");
+  const std::vector<Vec3f> colors = ply_colors(*vertices);
+  constexpr uint8_t kUnknown = 128;  // mid grey
   std::vector<ColmapPoint> points(vertices->count);
   for (size_t i = 0; i < points.size(); ++i) {
     points[i].id = i + 1;
     for (int k = 0; k < 3; ++k) {
       points[i].position[k] = position[k]->values[i];
-      const bool bytes = color[k] && color[k]->type == PlyType::kUint8;
-      points[i].color[k] = bytes ? static_cast<uint8_t>(color[k]->values[i]) : 128;  // mid grey: colour unknown
+      points[i].color[k] = colors.empty() ? kUnknown : static_cast<uint8_t>(std::lround(255 * colors[i][k]));
     }
   }
   return points;

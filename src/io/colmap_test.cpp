@@ -273,6 +273,13 @@ TEST(Colmap, SecondLinesMayBeMissing) {
   EXPECT_EQ(model.images[3].points.size(), 4u);
 }
 
+TEST(Colmap, CommentsMayStandBeforeASecondLine) {
+  const ColmapModel model = read_colmap_model(
+      text_model("comment", kCamerasText, "1 1 0 0 0 0 0 0 7 a.jpg\n# its keypoints\n10 20 -1 30 40 5\n"));
+  ASSERT_EQ(model.images.size(), 1u);
+  EXPECT_THAT(model.images[0].point_ids, ElementsAre(-1, 5));
+}
+
 TEST(Colmap, TextMayHaveAByteOrderMarkAndUnsignedIds) {
   const std::string mark = "\xef\xbb\xbf";
   const fs::path folder =
@@ -294,6 +301,23 @@ TEST(Colmap, APlyCountsWhereThereAreNoOtherPoints) {
   ASSERT_EQ(model.points.size(), 1u);
   EXPECT_EQ(model.points[0].position.x, 1000000.25);
   EXPECT_THAT(model.points[0].color, ElementsAre(9, 8, 7));
+}
+
+TEST(Colmap, APlyMayHaveColoursOfOtherKinds) {
+  const auto color_of = [](const std::string& properties, const std::string& values) {
+    const fs::path folder = text_model("ply_colors", kCamerasText, kImagesText);
+    write_file_atomically(folder / "points3D.ply",
+                          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty "
+                          "float y\nproperty float z\n" +
+                              properties + "end_header\n1 2 3 " + values + "\n");
+    return read_colmap_model(folder).points.at(0).color;
+  };
+  EXPECT_THAT(color_of("property float red\nproperty float green\nproperty float blue\n", "1 0.2 0"),
+              ElementsAre(255, 51, 0));
+  EXPECT_THAT(color_of("property uchar r\nproperty uchar g\nproperty uchar b\n", "9 8 7"), ElementsAre(9, 8, 7));
+  EXPECT_THAT(color_of("property ushort red\nproperty ushort green\nproperty ushort blue\n", "65535 0 257"),
+              ElementsAre(255, 0, 1));
+  EXPECT_THAT(color_of("", ""), ElementsAre(128, 128, 128)) << "unknown";
 }
 
 TEST(Colmap, APlyAloneIsNamedForWhatItIs) {

@@ -128,9 +128,10 @@ std::vector<ColmapImage> parse_colmap_images_text(std::string_view text, const s
     image.camera_id = line.number<uint32_t>("CAMERA_ID");
     image.name = line.rest_of_line();  // may hold spaces
     // The second line lists the keypoints; it is empty for an image without any. Some programs leave it out.
-    const std::string_view second = trimmed(line.peek());
-    const bool has_second = !is_image_record(second) && (second.empty() || second[0] != '#');
-    if (has_second && line.next()) {
+    // Some programs write comments between the two.
+    while (trimmed(line.peek()).starts_with('#') && line.next()) {
+    }
+    if (!is_image_record(trimmed(line.peek())) && line.next()) {
       while (!line.at_end_of_line()) {
         const double x = line.number<double>("X"), y = line.number<double>("Y");
         image.points.push_back({x, y});

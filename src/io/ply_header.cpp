@@ -148,7 +148,8 @@ class HeaderReader {
 PlyHeader parse_ply_header(std::string_view bytes, const std::filesystem::path& name) {
   if (bytes.substr(0, 3) != "ply") {
     refuse_foreign_content(bytes, name);
-    throw_bad_input(name, "magic", "not a PLY file", kPlyRemedy);
+    throw_bad_input(name, "magic", "not a PLY file",
+                    "PLY alone is read here: convert other formats, or copy the file again if it is one");
   }
   return HeaderReader(bytes, name).read();
 }

@@ -14,10 +14,17 @@ namespace {
 
 constexpr double kBoxScale = 1.1;  // NeuRIS: truth box about its centre
 
+double area_of(const TriangleMesh& mesh) {
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) area += triangle_area(mesh, t);
+  return area;
+}
+
 void require_input(const MeshEvaluationInput& input) {
   if (!input.predicted || !input.truth || input.truth->empty()) {
     throw_bad_input({}, "truth mesh", "there is no true surface to compare with", "put one at truth/mesh.ply");
   }
+  if (!(area_of(*input.truth) > 0)) throw_bad_input({}, "truth mesh", "its triangles have no area", "give a surface");
   if (input.truth_cameras.empty() || input.run_cameras.size() != input.truth_cameras.size()) {
     throw_bad_input(
         {}, "cameras",
@@ -43,12 +50,6 @@ std::vector<size_t> culling_views(const MeshEvaluationInput& input, CullingViews
   std::vector<size_t> strided;
   for (size_t i = 0; i < max_cameras; ++i) strided.push_back(views[i * views.size() / max_cameras]);
   return strided;
-}
-
-double area_of(const TriangleMesh& mesh) {
-  double area = 0;
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) area += triangle_area(mesh, t);
-  return area;
 }
 
 /// The predicted mesh in the world of the truth. ICP runs against area samples of the culled truth.

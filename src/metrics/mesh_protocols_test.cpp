@@ -78,6 +78,13 @@ class BothProtocols : public testing::TestWithParam<Protocol> {
 };
 INSTANTIATE_TEST_SUITE_P(Protocols, BothProtocols, testing::Values(&evaluate_neuris_vertices, &evaluate_area_samples));
 
+TEST_P(BothProtocols, ATruthWithoutAreaIsRefused) {
+  const TriangleMesh predicted = wall(2);
+  TriangleMesh truth = wall(2);
+  for (auto& triangle : truth.triangles) triangle = {triangle[0], triangle[0], triangle[0]};
+  EXPECT_THROW(evaluate(make_input(predicted, truth)), Error);
+}
+
 TEST_P(BothProtocols, AWallShifted3CentimetresIsPerfect) {
   const TriangleMesh truth = wall_with_posts(), predicted = wall_with_posts(-0.03f);
   const MeshProtocolResult result = evaluate(make_input(predicted, truth));

@@ -1,7 +1,10 @@
 #include "room/room_json.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -15,16 +18,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kLargest = 64 << 20;  // bytes: a room of a thousand things has one
 
-/// A tenth of a millimetre, or as fine in scene units: more digits would claim more.
-double rounded(double x) { return std::round(x * 1e5) / 1e5; }
-
-Json point(const Vec2d& p) { return {rounded(p.x), rounded(p.y)}; }
-Json point(const Vec3d& p) { return {rounded(p.x), rounded(p.y), rounded(p.z)}; }
+Json point(const Vec2d& p) { return {p.x, p.y}; }
+Json point(const Vec3d& p) { return {p.x, p.y, p.z}; }
 
 /// normal . x + offset = 0 as four numbers.
-Json plane(const Vec3d& normal, double offset) {
-  return {rounded(normal.x), rounded(normal.y), rounded(normal.z), rounded(offset)};
-}
+Json plane(const Vec3d& normal, double offset) { return {normal.x, normal.y, normal.z, offset}; }
 
 Json rectangle(const MeasuredWall& wall, double left, double right, double bottom, double top) {
   return {point(wall.at(left, bottom)), point(wall.at(right, bottom)), point(wall.at(right, top)),
@@ -36,8 +34,8 @@ Json wall_json(const MeasuredRoom& room, size_t index) {
   Json out = {{"id", wall_name(index)},
               {"from", point(w.from)},
               {"to", point(w.to)},
-              {"length", rounded(w.length())},
-              {"height", rounded(w.height)}};
+              {"length", w.length()},
+              {"height", w.height}};
   out["plane"] = plane(w.normal, -(w.normal.x * w.from.x + w.normal.y * w.from.y));
   out["outline"] = {point(w.at(0, 0)), point(w.at(w.length(), 0)), point(w.at(w.length(), room.height_at(w.to))),
                     point(w.at(0, room.height_at(w.from)))};
@@ -49,8 +47,8 @@ Json wall_json(const MeasuredRoom& room, size_t index) {
   }
   out["thickness"] = nullptr;
   out["assumed"] = w.assumed;
-  out["seen"] = rounded(w.seen);
-  out["confidence"] = rounded(w.confidence);
+  out["seen"] = w.seen;
+  out["confidence"] = w.confidence;
   return out;
 }
 
@@ -60,15 +58,15 @@ Json opening_json(const MeasuredRoom& room, size_t index) {
           {"kind", name_of(o.kind)},
           {"class", o.class_name},
           {"wall", wall_name(static_cast<size_t>(o.wall))},
-          {"left", rounded(o.left)},
-          {"right", rounded(o.right)},
-          {"sill", rounded(o.bottom)},
-          {"top", rounded(o.top)},
-          {"width", rounded(o.right - o.left)},
-          {"height", rounded(o.top - o.bottom)},
+          {"left", o.left},
+          {"right", o.right},
+          {"sill", o.bottom},
+          {"top", o.top},
+          {"width", o.right - o.left},
+          {"height", o.top - o.bottom},
           {"outline", rectangle(room.walls[static_cast<size_t>(o.wall)], o.left, o.right, o.bottom, o.top)},
-          {"seen", rounded(o.seen)},
-          {"confidence", rounded(o.confidence)}};
+          {"seen", o.seen},
+          {"confidence", o.confidence}};
 }
 
 Json box_json(const MeasuredBox& b) {
@@ -77,10 +75,10 @@ Json box_json(const MeasuredBox& b) {
           {"instance", b.instance},
           {"centre", point(Vec3d{b.centre.x, b.centre.y, (b.bottom + b.top) / 2})},
           {"size", point(Vec3d{b.width, b.depth, b.top - b.bottom})},
-          {"turn", rounded(b.turn)},
+          {"turn", b.turn},
           {"support", b.support},
-          {"seen", rounded(b.seen)},
-          {"confidence", rounded(b.confidence)}};
+          {"seen", b.seen},
+          {"confidence", b.confidence}};
 }
 
 Json matrix(const Similarity& s) {
@@ -93,6 +91,25 @@ Json matrix(const Similarity& s) {
   return rows;
 }
 
+/// A hundredth of a millimetre, or as fine in scene units: more digits would claim more. Under a scale that was given
+/// afterwards ten digits stay, so that taking it back finds the measures again.
+double rounded(double x, bool given_scale) {
+  constexpr double kMeasureSteps = 1e5;  // per metre or scene unit
+  return given_scale ? std::stod(fmt::format("{:.10g}", x)) : std::round(x * kMeasureSteps) / kMeasureSteps;
+}
+
+/// Rounds what was measured; the frame and the scale keep all digits.
+void round_measures(bool given_scale, Json& json) {
+  if (json.is_number_float()) json = rounded(json.get<double>(), given_scale);
+  if (json.is_array()) {
+    for (Json& item : json) round_measures(given_scale, item);
+  }
+  if (!json.is_object()) return;
+  for (auto& [key, value] : json.items()) {
+    if (key != "frame" && key != "scale") round_measures(given_scale, value);
+  }
+}
+
 Json document_of(const MeasuredRoom& room) {
   Json out = {{"schema", kRoomSchema}, {"written_by", "aligngs"}, {"units", room.metric ? "metres" : "scene units"}};
   out["found_by"] = name_of(room.found_by);
@@ -100,28 +117,26 @@ Json document_of(const MeasuredRoom& room) {
   out["frame"] = {{"up", {0, 0, 1}}, {"world_to_room", matrix(room.to_room)}};
   Json lengths = Json::array(), outline = Json::array(), top = Json::array();
   for (const MeasuredWall& w : room.walls) {
-    lengths.push_back(rounded(w.length()));
+    lengths.push_back(w.length());
     outline.push_back(point(w.at(0, 0)));
     top.push_back(point(w.at(0, room.height_at(w.from))));
   }
-  out["measures"] = {{"ceiling_height", rounded(room.height)},
-                     {"floor_area", rounded(room.area())},
-                     {"perimeter", rounded(room.perimeter())},
+  out["measures"] = {{"ceiling_height", room.height},
+                     {"floor_area", room.area()},
+                     {"perimeter", room.perimeter()},
                      {"wall_lengths", lengths}};
-  out["floor"] = {{"plane", {0, 0, 1, 0}},
-                  {"outline", outline},
-                  {"assumed", room.floor_assumed},
-                  {"seen", rounded(room.floor_seen)}};
+  out["floor"] = {
+      {"plane", {0, 0, 1, 0}}, {"outline", outline}, {"assumed", room.floor_assumed}, {"seen", room.floor_seen}};
   Json planes = Json::array();
   for (const CeilingPlane& p : room.ceiling) planes.push_back(plane(p.normal, p.offset));
-  out["ceiling"] = {
-      {"height", rounded(room.height)},  {"lowest", rounded(room.lowest)},    {"planes", planes}, {"outline", top},
-      {"assumed", room.ceiling_assumed}, {"seen", rounded(room.ceiling_seen)}};
+  out["ceiling"] = {{"height", room.height}, {"lowest", room.lowest},           {"planes", planes},
+                    {"outline", top},        {"assumed", room.ceiling_assumed}, {"seen", room.ceiling_seen}};
   for (const char* list : {"walls", "openings", "objects"}) out[list] = Json::array();
   for (size_t i = 0; i < room.walls.size(); ++i) out["walls"].push_back(wall_json(room, i));
   for (size_t i = 0; i < room.openings.size(); ++i) out["openings"].push_back(opening_json(room, i));
   for (const MeasuredBox& box : room.boxes) out["objects"].push_back(box_json(box));
   out["warnings"] = room.warnings;
+  round_measures(room.scale_source == ScaleSource::kGiven, out);
   return out;
 }
 

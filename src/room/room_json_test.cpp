@@ -39,6 +39,21 @@ TEST_F(RoomJson, WhatIsWrittenIsRead) {
   EXPECT_EQ(room_json(read_room(file_)), room_json(room));
 }
 
+TEST_F(RoomJson, AScaleThatWasTakenBackLeavesTheMeasures) {
+  const MeasuredRoom room = sample_room::make();
+  write_room(file_, room);
+  const MeasuredRoom written = read_room(file_);
+  for (const double factor : {4.5e-4, 1.0 / 3, 77.7}) {
+    MeasuredRoom scaled = rescaled(written, factor);
+    scaled.scale_source = ScaleSource::kGiven;
+    write_room(file_, scaled);
+    MeasuredRoom back = rescaled(read_room(file_), 1 / factor);
+    back.scale_source = written.scale_source;
+    EXPECT_EQ(parse_json(room_json(back))["walls"], parse_json(room_json(written))["walls"]) << factor;
+    EXPECT_EQ(parse_json(room_json(back))["measures"], parse_json(room_json(written))["measures"]) << factor;
+  }
+}
+
 TEST_F(RoomJson, ARoomWithoutUnitKeepsThatAndItsMatrix) {
   MeasuredRoom room = rescaled(sample_room::make(), 0.25);
   room.metric = false;

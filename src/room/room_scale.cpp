@@ -63,9 +63,9 @@ MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres)
   if (!(measured > 0) || !std::isfinite(measured))
     throw_usage("the measured length is zero", "choose two different points");
   const double factor = metres / measured;
-  constexpr double kMost = 1e6;  // more is a slip of the finger
+  constexpr double kMost = 1e4;  // a scene in millimetres has a thousand; more is a slip of the finger
   if (factor > kMost || factor < 1 / kMost)
-    throw_usage("the scale would change by a factor of more than a million", "check the length: it is in metres");
+    throw_usage("the scale would change by a factor of more than ten thousand", "check the length: it is in metres");
   constexpr double kRounding = 1e-9;  // the same length again changes nothing, not even last digits
   const bool known = room.metric && room.scale_source == ScaleSource::kGiven;
   if (known && std::fabs(factor - 1) < kRounding) return room;

@@ -98,7 +98,8 @@ LensProjection projection_of(const std::string& model) {
 }
 
 /// Some programs give intrinsics as parts of the width and height.
-void require_focal_in_pixels(const LensModel& lens, const std::filesystem::path& path, const std::string& field) {
+void require_pixels(const LensModel& lens, const std::filesystem::path& path, const std::string& field) {
+  constexpr const char* kInPixels = "focal lengths and principal points are in pixels, not in parts of the width";
   constexpr double kShortest = 0.02;  // of the longer side: a perspective view of 176 degrees
   constexpr double kLongest = 1000;   // of the longer side: a view of 0.06 degrees
   const double side = std::max(lens.width, lens.height);
@@ -107,8 +108,17 @@ void require_focal_in_pixels(const LensModel& lens, const std::filesystem::path&
     throw_bad_input(path, field,
                     fmt::format("a focal length of {:.4g} pixels is impossible for a picture of {} x {}", focal,
                                 lens.width, lens.height),
-                    "focal lengths and principal points are in pixels, not in parts of the width");
+                    kInPixels);
   }
+  // A part of a larger photo may have its principal point outside, but not a whole photo away.
+  constexpr double kSmallest = 16;  // of the longer side: pictures in which one pixel is no corner
+  const bool corner = lens.cx <= 1 && lens.cy <= 1 && side >= kSmallest;
+  const auto far = [](double at, double length) { return !(at >= -length && at <= 2 * length); };
+  if (!corner && !far(lens.cx, lens.width) && !far(lens.cy, lens.height)) return;
+  throw_bad_input(path, field,
+                  fmt::format("a principal point of ({:.4g}, {:.4g}) is impossible for a picture of {} x {}", lens.cx,
+                              lens.cy, lens.width, lens.height),
+                  kInPixels);
 }
 
 }  // namespace
@@ -189,9 +199,9 @@ LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path)
   lens.cx = p[focals];
   lens.cy = p[focals + 1];
   if (!(lens.fx > 0 && lens.fy > 0)) {
-    throw_bad_input(path, field, "the focal length is not positive", "write the model again");
+    throw_bad_input(path, field, "the focal length is not positive", "write the camera again");
   }
-  require_focal_in_pixels(lens, path, field);
+  require_pixels(lens, path, field);
   read_distortion(camera.model, p.data() + focals + 2, lens);
   if (lens.projection == LensProjection::kUnified && !(p[4] >= 0 && p[4] <= 1 && p[5] > 0)) {
     throw_bad_input(path, field, "EUCM needs alpha within [0, 1] and a positive beta", "write the model again");

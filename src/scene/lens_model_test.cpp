@@ -41,6 +41,13 @@ TEST(LensOf, IntrinsicsInPartsOfTheWidthAreRefused) {
   EXPECT_NO_THROW(lens_of(colmap_camera("OPENCV_FISHEYE", {10, 10, 32, 24, 0, 0, 0, 0}), "c"));
 }
 
+TEST(LensOf, APrincipalPointIsNearThePhoto) {
+  EXPECT_THROW(lens_of(colmap_camera("PINHOLE", {50, 50, 0.52, 0.47}), "c"), Error) << "parts of the width";
+  EXPECT_THROW(lens_of(colmap_camera("PINHOLE", {50, 50, 1e9, 24}), "c"), Error);
+  EXPECT_THROW(lens_of(colmap_camera("PINHOLE", {50, 50, 32, -49}), "c"), Error);
+  EXPECT_NO_THROW(lens_of(colmap_camera("PINHOLE", {50, 50, 127, -47}), "c")) << "a part of a larger photo";
+}
+
 TEST(LensOf, ZeroDistortionIsAPinhole) {
   EXPECT_FALSE(lens_of(colmap_camera("RADIAL", {50, 31, 23, 0, 0}), "c").distorted());
 }

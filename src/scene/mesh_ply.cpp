@@ -8,6 +8,7 @@
 #include "core/far_outliers.h"
 #include "io/atomic_file.h"
 #include "io/ply.h"
+#include "io/ply_colors.h"
 
 namespace aligngs {
 namespace {
@@ -27,7 +28,6 @@ struct Columns3 {
   }
   explicit operator bool() const { return column[0] != nullptr; }
   Vec3d row(size_t i) const { return {column[0]->values[i], column[1]->values[i], column[2]->values[i]}; }
-  bool is_float() const { return column[0]->type == PlyType::kFloat32 || column[0]->type == PlyType::kFloat64; }
 };
 
 const PlyElement& vertex_element(const PlyFile& file, const std::filesystem::path& path) {
@@ -50,6 +50,11 @@ std::vector<Vec3f> read_positions(const PlyElement& vertices, const std::filesys
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
       throw_bad_input(path, "vertex " + std::to_string(i), "position is not finite", "remove this vertex");
     }
+    // Coordinates of maps have 10 million metres at most; triangles of vertices beyond hide all others.
+    constexpr float kFarthest = 1e9f;
+    if (std::fmax(std::fabs(p.x), std::fmax(std::fabs(p.y), std::fabs(p.z))) > kFarthest)
+      throw_bad_input(path, "vertex " + std::to_string(i), "it lies more than 1e9 from the origin",
+                      "remove this vertex");
     out[i] = p;
   }
   return out;
@@ -68,21 +73,6 @@ std::vector<Vec3f> read_normals(const PlyElement& vertices) {
     any = true;
   }
   if (!any) out.clear();  // many programs write zeros: no normals
-  return out;
-}
-
-/// Colours in [0, 1] from uchar or float properties; empty when absent.
-std::vector<Vec3f> read_colors(const PlyElement& vertices) {
-  const Columns3 color(vertices, "red", "green", "blue");
-  std::vector<Vec3f> out;
-  if (!color) return out;
-  const double scale = color.is_float() ? 1.0 : 1.0 / 255;
-  out.resize(vertices.count);
-  for (size_t i = 0; i < out.size(); ++i) {
-    Vec3d c = color.row(i) * scale;
-    for (int k = 0; k < 3; ++k) c[k] = c[k] > 0 ? (c[k] < 1 ? c[k] : 1) : 0;  // also takes NaN to 0
-    out[i] = c.cast<float>();
-  }
   return out;
 }
 
@@ -135,7 +125,7 @@ TriangleMesh read_mesh_ply(const std::filesystem::path& path) {
   TriangleMesh mesh;
   mesh.vertices = read_positions(vertices, path);
   mesh.normals = read_normals(vertices);
-  const std::vector<Vec3f> colors = read_colors(vertices);
+  const std::vector<Vec3f> colors = ply_colors(vertices);
   for (const Vec3f& c : colors) {
     mesh.colors.push_back({static_cast<uint8_t>(std::lround(c.x * 255)), static_cast<uint8_t>(std::lround(c.y * 255)),
                            static_cast<uint8_t>(std::lround(c.z * 255))});
@@ -148,6 +138,8 @@ TriangleMesh read_mesh_ply(const std::filesystem::path& path) {
     }
   }
   if (const PlyElement* faces = file.find("face")) append_faces(*faces, mesh.vertices.size(), path, mesh.triangles);
+  if (const PlyElement* strips = file.find("tristrips"); strips && strips->count > 0 && mesh.triangles.empty())
+    throw_bad_input(path, "tristrips", "strips of triangles are not read", "write the surface with faces");
   return mesh;
 }
 
@@ -207,7 +199,7 @@ CloudFile read_cloud_file(const std::filesystem::path& path) {
   const PlyFile file = read_ply(path);
   const PlyElement& vertices = vertex_element(file, path);
   const Columns3 xyz = positions_of(vertices, path);
-  const std::vector<Vec3f> normals = read_normals(vertices), colors = read_colors(vertices);
+  const std::vector<Vec3f> normals = read_normals(vertices), colors = ply_colors(vertices);
   CloudFile out;
   std::vector<size_t> rows;
   std::vector<Vec3d> places;

@@ -70,6 +70,26 @@ TEST(MeshPly, AVertexThatIsNotFiniteIsBadInput) {
   EXPECT_THROW(read_mesh_ply(path), Error);
 }
 
+TEST(MeshPly, AVertexBeyondAllPlacesIsBadInput) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  EXPECT_THROW(read_mesh_ply(write_text("far.ply", header + "0 1e30 0\n")), Error);
+  EXPECT_EQ(read_mesh_ply(write_text("map.ply", header + "5e5 6e6 0\n")).vertices.size(), 1u) << "a map's coordinates";
+}
+
+TEST(MeshPly, StripsOfTrianglesAreNamed) {
+  const auto path = write_text("strips.ply",
+                               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+                               "float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                               "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  try {
+    read_mesh_ply(path);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.details().field, "tristrips");
+  }
+}
+
 TEST(MeshPly, CloudsKeepColoursAndDropZeroNormals) {
   const auto path = write_text("cloud.ply",
                                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

@@ -12,6 +12,9 @@ std::string size_text(int width, int height) { return std::to_string(width) + " 
 /// Whether a picture of w x h can be one of camera_w x camera_h resized: the sides differ by one factor. A resized side
 /// is rounded, so each may be off by one pixel of the smaller picture.
 bool same_aspect(int w, int h, int camera_w, int camera_h) {
+  constexpr double kMostRounding = 0.1;  // of the aspect, however small a picture is
+  const double aspects = (static_cast<double>(w) * camera_h) / (static_cast<double>(h) * camera_w);
+  if (std::fabs(aspects - 1) > kMostRounding) return false;
   const double scale = static_cast<double>(w) / camera_w;
   const double tolerance = 1 + std::fmax(1.0, scale);  // rounding of both sides, each of at most a pixel
   if (std::fabs(camera_h * scale - h) <= 0.5 * tolerance) return true;

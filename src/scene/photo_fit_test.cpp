@@ -46,6 +46,7 @@ TEST(PhotoFit, CropsAndQuarterTurnsDoNot) {
   EXPECT_FALSE(fit_photo(held(1), 400, 250));
   EXPECT_FALSE(fit_photo(held(1), 300, 400));
   EXPECT_THROW(require_photo_fit("a.jpg", held(1), 300, 400), Error);
+  EXPECT_FALSE(fit_photo(held(1), 1, 1)) << "a pixel of rounding is not the whole camera";
 }
 
 }  // namespace

@@ -152,8 +152,9 @@ RunExport export_run(EditSession& session, const std::string& name, const RunExp
     const HtmlReport written = write_html(out.file, parts, html_info(session), session.pool());
     out.before = parts.before != nullptr;
     out.report = {.files = {out.file},
-                  .gaussians = room.gaussians.model.size(),
+                  .gaussians = written.gaussians,
                   .objects = list_instances(room.gaussians.model, room.gaussians.labels).size(),
+                  .invisible = room.gaussians.model.size() - written.gaussians,
                   .triangles = written.triangles,
                   .triangles_before = written.triangles_before};
     return out;

@@ -220,6 +220,7 @@ HtmlSize estimate_html(const HtmlParts& parts, const HtmlSceneInfo& info) {
 HtmlReport write_html(const std::filesystem::path& path, const HtmlParts& parts, const HtmlSceneInfo& info,
                       ThreadPool& pool) {
   HtmlReport report;
+  report.gaussians = visible_rows(parts.room.gaussians.model).size();
   std::string data = data_element("aligngs-scene", gzip_compressed(packed_scene(parts, info)));
   data += mesh_element("aligngs-mesh", parts.room, parts, pool, &report);
   if (parts.before != nullptr) {

@@ -41,6 +41,7 @@ HtmlSize estimate_html(const HtmlParts& parts, const HtmlSceneInfo& info);
 
 struct HtmlReport {
   uint64_t bytes = 0;
+  size_t gaussians = 0;                        ///< of the edited room, in the file
   size_t triangles = 0, triangles_before = 0;  ///< of the mesh of the edited room; before it was simplified
 };
 

@@ -104,9 +104,27 @@ PageNotes page_notes_of_run(const fs::path& run) {
   return fs::exists(file) ? read_page_notes(read_file(file, kLargestNotes), file) : PageNotes();
 }
 
+namespace {
+
+/// The reader's errors speak of a file, which a request is not.
+PageNotes notes_of_request(const std::string& body) {
+  try {
+    return read_page_notes(body, {});
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    throw Error({ErrorKind::kUsage,
+                 error.details().message,
+                 {},
+                 error.details().field,
+                 "send views and measurements as GET /api/notes gives them"});
+  }
+}
+
+}  // namespace
+
 void serve_notes(const fs::path& run, ViewServerOptions& options) {
   options.post["/api/notes"] = [run](const std::string& body) -> std::string {
-    const PageNotes notes = read_page_notes(body, {});
+    const PageNotes notes = notes_of_request(body);
     require_plain_run(run);
     write_file_atomically(run / "page.json", json_document(page_notes_json(notes)));
     return "{}";

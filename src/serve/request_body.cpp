@@ -37,13 +37,23 @@ std::optional<std::string> json_fault(std::string_view body, int deepest) {
 
 nlohmann::json text_fields(const std::string& body, std::initializer_list<const char*> fields, size_t longest) {
   nlohmann::json json = parse_json(body);
-  if (!json.is_object()) throw_usage("the request is no JSON object");
+  const auto refuse = [](const std::string& field, const std::string& message, const std::string& remedy) {
+    throw Error({ErrorKind::kUsage, message, {}, field, remedy});
+  };
+  if (!json.is_object()) refuse("", "the request is no JSON object", "send an object of texts");
+  std::string known;
   for (const char* name : fields) {
+    known += (known.empty() ? "" : ", ") + std::string(name);
     const auto it = json.find(name);
-    if (it == json.end() || !it->is_string()) throw_usage(std::string("the request has no text \"") + name + "\"");
-    if (it->get_ref<const std::string&>().size() > longest) throw_usage(std::string("\"") + name + "\" is too long");
+    if (it == json.end() || !it->is_string())
+      refuse(name, std::string("the request has no text \"") + name + "\"", "add it");
+    if (it->get_ref<const std::string&>().size() > longest)
+      refuse(name, std::string("\"") + name + "\" is too long", "send at most " + std::to_string(longest) + " bytes");
   }
-  if (json.size() != fields.size()) throw_usage("the request has fields that nobody knows");
+  for (const auto& [name, value] : json.items()) {
+    const bool asked = std::any_of(fields.begin(), fields.end(), [&](const char* field) { return name == field; });
+    if (!asked) refuse(name.substr(0, 40), "the request has fields that nobody knows", "send these alone: " + known);
+  }
   return json;
 }
 

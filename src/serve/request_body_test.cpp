@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
 namespace aligngs {
 namespace {
 
@@ -20,6 +24,21 @@ TEST(JsonFault, ToldForDeepNesting) {
 TEST(JsonFault, ToldForTextThatIsNoJson) {
   EXPECT_EQ(json_fault("{"), "the body is not JSON");
   EXPECT_EQ(json_fault(""), "the body is not JSON");
+}
+
+TEST(TextFields, ErrorsNameTheFieldAndARemedy) {
+  const auto error_of = [](const std::string& body) {
+    try {
+      text_fields(body, {"edit"}, 10);
+    } catch (const Error& error) {
+      return error.details().field + ": " + error.details().remedy;
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(error_of(R"({"edit": "undo"})"), "no error");
+  EXPECT_EQ(error_of("{}"), "edit: add it");
+  EXPECT_EQ(error_of(R"({"edit": "delete everything"})"), "edit: send at most 10 bytes");
+  EXPECT_EQ(error_of(R"({"edit": "undo", "output": "x"})"), "output: send these alone: edit");
 }
 
 }  // namespace

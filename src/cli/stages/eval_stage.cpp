@@ -148,6 +148,8 @@ void measure_mesh(LoadedRun& run, const EvalStageOptions& options, RunMetrics& m
     return;
   }
   const TriangleMesh predicted = read_mesh_ply(mesh_file), truth = read_mesh_ply(truth_file);
+  if (!options.mesh.empty() && predicted.triangles.empty())
+    throw_bad_input(mesh_file, "face", "the file has no faces", "give a surface of triangles");
   MeshEvaluationInput input = evaluation_cameras_of(run.scene());
   input.predicted = &predicted;
   input.truth = &truth;

@@ -47,7 +47,8 @@ void require_export_format(const std::string& format, const std::vector<std::str
 
 struct ExportReport {
   std::vector<std::filesystem::path> files;
-  size_t gaussians = 0, objects = 0;           ///< objects: nodes or groups, where the format has them
+  size_t gaussians = 0, objects = 0;           ///< objects: named parts of the file, where the format has them
+  size_t invisible = 0;                        ///< Gaussians with an opacity below 1/255, which were left out
   size_t triangles = 0, triangles_before = 0;  ///< of the mesh in the file; before it was simplified
   double error = 0;                            ///< units of the room, of the simplification
   size_t open_edges = 0;                       ///< of a mesh that was to be closed

@@ -163,7 +163,9 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
   ExportReport report{.files = {path}};
   const int root = add_root(glb, room, options);
   Json children = Json::array();
-  const int splats = options.parts == RoomParts::kMesh ? -1 : add_splats(glb, room, rotation, report.gaussians);
+  const bool with_splats = options.parts != RoomParts::kMesh;
+  const int splats = with_splats ? add_splats(glb, room, rotation, report.gaussians) : -1;
+  if (with_splats) report.invisible = room.gaussians.model.size() - report.gaussians;
   if (options.parts != RoomParts::kSplats && !room.mesh.empty()) {
     const ExportMesh mesh = export_mesh(room, options.mesh, pool);
     report.describe(mesh);

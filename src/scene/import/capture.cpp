@@ -8,6 +8,7 @@
 #include "io/image_file.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/intrinsics.h"
 #include "scene/import/unknown_layout.h"
 #include "scene/lens_model.h"
 
@@ -61,6 +62,14 @@ const CaptureLayout& layout_of(const fs::path& folder, const std::string& name) 
                     std::string("give the folder that holds ") + layout.files + ", or leave --layout out");
   }
   throw_usage("there is no layout \"" + name + "\"", "known: " + known_layouts());
+}
+
+/// The intrinsics of a depth sensor have to be those of its maps.
+void require_depth_camera(const DepthCamera& camera, const ImageF& depth) {
+  lens_of(pinhole_camera(camera.fx, camera.fy, camera.cx, camera.cy, depth.width, depth.height), camera.file);
+  if (const std::string problem = misfit_of_intrinsics(camera.cx, camera.cy, depth.width, depth.height);
+      !problem.empty())
+    throw_bad_input(camera.file, "matrix", problem, "give the intrinsics of the depth sensor");
 }
 
 /// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map. The map has
@@ -168,7 +177,9 @@ ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
       if (confidence.data[i] == 0) depth.data[i] = 0;
     }
   }
-  return capture.depth_camera ? register_to_color(depth, *capture.depth_camera, frame.camera) : depth;
+  if (!capture.depth_camera) return depth;
+  require_depth_camera(*capture.depth_camera, depth);
+  return register_to_color(depth, *capture.depth_camera, frame.camera);
 }
 
 }  // namespace aligngs

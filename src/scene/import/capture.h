@@ -33,6 +33,7 @@ struct CapturedFrame {
 struct DepthCamera {
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels of the depth image, COLMAP's half-pixel convention
   Rigidd to_color;                        ///< depth-camera frame to colour-camera frame
+  std::filesystem::path file;             ///< that has the intrinsics
 };
 
 /// SfM points before they are brought near the origin, in double precision.

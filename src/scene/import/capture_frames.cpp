@@ -14,7 +14,6 @@
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
 #include "scene/import/capture_text.h"
-#include "scene/import/intrinsics.h"
 #include "scene/lens_model.h"
 #include "scene/photo_fit.h"
 #include "scene/view_names.h"
@@ -143,7 +142,8 @@ std::string note_of_unusable_points(size_t count) {
   return std::to_string(count) + " points without a usable position (not finite, or beyond all scenes) are not used";
 }
 
-void set_camera(CapturedFrame& frame, const ColmapCamera& camera) {
+void set_camera(CapturedFrame& frame, const ColmapCamera& camera, const fs::path& file) {
+  lens_of(camera, file);
   const ImageInfo info = read_image_info(frame.image);
   const PhotoFit fit = require_photo_fit(frame.image, info, static_cast<int>(std::min<uint64_t>(camera.width, 1 << 30)),
                                          static_cast<int>(std::min<uint64_t>(camera.height, 1 << 30)));
@@ -151,16 +151,17 @@ void set_camera(CapturedFrame& frame, const ColmapCamera& camera) {
   frame.camera = resized_camera(camera, fit.width, fit.height);
 }
 
-void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy) {
+void set_intrinsics(CapturedFrame& frame, const Intrinsics& lens) {
   const ImageInfo info = read_image_info(frame.image);
   const int w = info.stored_width, h = info.stored_height;
-  if (const std::string problem = misfit_of_intrinsics(cx, cy, w, h); !problem.empty()) {
+  if (const std::string problem = misfit_of_intrinsics(lens.cx, lens.cy, w, h); !problem.empty()) {
     throw_bad_input(frame.image, "intrinsics", problem,
                     "the intrinsics are for other photos: scale them, or use the photos they belong to; cameras with "
                     "their size (transforms.json, COLMAP) may be of any kind");
   }
   frame.upright = false;
-  frame.camera = pinhole_camera(fx, fy, cx, cy, w, h);
+  frame.camera = pinhole_camera(lens.fx, lens.fy, lens.cx, lens.cy, w, h);
+  lens_of(frame.camera, lens.file);
 }
 
 std::vector<fs::path> list_frame_photos(Capture& capture, const fs::path& folder,

@@ -7,6 +7,7 @@
 
 #include "io/picture_format.h"
 #include "scene/import/capture.h"
+#include "scene/import/intrinsics.h"
 
 namespace aligngs {
 
@@ -21,11 +22,12 @@ void add_frame(Capture& capture, const std::string& name, Read read) {
 
 /// Pairs a frame with a camera whose image size is known: it is brought to the size of the photo, whose stored pixels
 /// go first. Error{kBadInput} when the photo is missing, cannot be read or has another aspect.
-void set_camera(CapturedFrame& frame, const ColmapCamera& camera);
+/// `file`, which the camera is from, is named by errors of its lens.
+void set_camera(CapturedFrame& frame, const ColmapCamera& camera, const std::filesystem::path& file);
 
 /// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when they are
 /// for photos of another size or that were turned (intrinsics.h).
-void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy);
+void set_intrinsics(CapturedFrame& frame, const Intrinsics& lens);
 
 /// The photos of a folder in natural order; hidden ones are left out with a line.
 std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std::filesystem::path& folder,

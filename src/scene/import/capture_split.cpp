@@ -1,5 +1,7 @@
 #include "scene/import/capture_split.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -85,9 +87,13 @@ CaptureSplit split_capture(const Capture& capture, const ImportOptions& options,
     const int wanted = options.test_views >= 0 ? options.test_views : static_cast<int>(selection.train.size()) / 3;
     selection.test = select_test_views(capture, selection.train, wanted, pool);
   }
+  std::vector<std::string> both;
   std::erase_if(selection.test, [&](int i) {
-    return std::find(selection.train.begin(), selection.train.end(), i) != selection.train.end();
+    const bool trains = std::find(selection.train.begin(), selection.train.end(), i) != selection.train.end();
+    if (trains) both.push_back(capture.frames[static_cast<size_t>(i)].name);
+    return trains;
   });
+  if (!both.empty()) log_warning("{} frames are in both lists and train: {}", both.size(), fmt::join(both, ", "));
   if (selection.train.empty()) throw_bad_input(capture.folder, "train", "no training view is left", "give other names");
   return selection;
 }

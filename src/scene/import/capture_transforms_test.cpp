@@ -120,6 +120,7 @@ TEST_F(TransformsTest, AnAngleThatContradictsTheFocalLengthIsNamed) {
 
 TEST_F(TransformsTest, NumbersThatNoLensHasAreRefusedByName) {
   EXPECT_THAT(error_of(R"(, "fl_x": -30)"), HasSubstr("fl_x: a negative focal length"));
+  EXPECT_THAT(error_of(R"(, "fl_x": 0)"), HasSubstr("fl_x: a focal length of 0")) << "fl_y is 31";
   EXPECT_THAT(error_of(R"(, "k1": NaN)"), HasSubstr("k1: expected a finite number"));
   EXPECT_THAT(error_of(R"(, "cx": 64)"), HasSubstr("w and h are absent"));
   EXPECT_THAT(error_of(R"(, "depth_unit_scale_factor": -1)"), HasSubstr("depth_unit_scale_factor"));

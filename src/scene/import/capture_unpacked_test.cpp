@@ -137,6 +137,18 @@ TEST_F(UnpackedTest, ScanNetWithoutIntrinsicsNamesThem) {
   EXPECT_THAT(error_of_reading(), HasSubstr("intrinsic_color.txt: the intrinsics of the colour camera are missing"));
 }
 
+TEST_F(UnpackedTest, ScanNetsDepthSensorHasIntrinsicsOfItsOwn) {
+  scannet_frame("0");
+  write("intrinsic/intrinsic_color.txt", "30 0 15.5 0\n0 31 11.5 0\n0 0 1 0\n0 0 0 1\n");
+  const auto error_with = [&](const std::string& depth) {
+    write("intrinsic/intrinsic_depth.txt", depth);
+    return error_of_reading();
+  };
+  EXPECT_THAT(error_with("-30 0 15.5 0\n0 31 11.5 0\n0 0 1 0\n0 0 0 1\n"),
+              HasSubstr("intrinsic_depth.txt: matrix: focal lengths must be positive"));
+  EXPECT_THAT(error_with("30 0 0 0\n0 31 0 0\n15.5 11.5 1 0\n0 0 0 1\n"), HasSubstr("column-major"));
+}
+
 TEST_F(UnpackedTest, AScanNetPhotoWithoutPoseIsListed) {
   scannet_frame("0");
   image("color/10.jpg");

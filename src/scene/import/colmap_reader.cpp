@@ -38,7 +38,9 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
   Capture capture;
   capture.layout = "colmap";
   capture.folder = folder;
-  const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
+  const fs::path model_folder = find_colmap_folder(folder);
+  const fs::path camera_file = first_existing({model_folder / "cameras.bin", model_folder / "cameras.txt"});
+  const ColmapModel model = read_colmap_model(model_folder);
   capture.left_out = model.left_out;
   if (const std::string choice = choice_of_model(folder); !choice.empty()) capture.notes.push_back(choice);
   if (model.points_left_out > 0) capture.notes.push_back(note_of_unusable_points(model.points_left_out));
@@ -51,7 +53,7 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
       const PhotoLookup::Answer photo = photos.find(image.name);
       if (photo.file.empty()) throw_bad_input({}, "", photo.problem, missing_photos_remedy(folder));
       frame.image = photo.file;
-      set_camera(frame, *cameras.at(image.camera_id));
+      set_camera(frame, *cameras.at(image.camera_id), camera_file);
       frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
       return frame;
     });

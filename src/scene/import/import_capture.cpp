@@ -1,5 +1,7 @@
 #include "scene/import/import_capture.h"
 
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "core/error.h"
@@ -71,10 +73,22 @@ void set_truth_mesh(const Capture& capture, SceneParts& parts) {
   for (Vec3f& vertex : parts.truth_mesh.vertices) vertex = (from_original * vertex.cast<double>()).cast<float>();
 }
 
+/// One of each kind first, and cameras before all: few lines are shown, and a wrong camera spoils everything.
+void order_by_kind(std::vector<SceneProblem>& problems) {
+  std::map<std::string, size_t> seen;
+  std::vector<std::pair<std::pair<size_t, bool>, SceneProblem>> ranked;
+  for (SceneProblem& problem : problems)
+    ranked.push_back({{seen[problem.field]++, problem.field != "camera"}, std::move(problem)});
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  problems.clear();
+  for (auto& [rank, problem] : ranked) problems.push_back(std::move(problem));
+}
+
 /// The same check that training begins with; views that it refuses leave the split.
 void check_as_training_does(const fs::path& folder, SplitJson& split, ImportReport& report) {
   Scene scene = open_scene(folder);
-  const std::vector<SceneProblem> problems = leave_out_bad_views(scene, check_scene(scene));
+  std::vector<SceneProblem> problems = leave_out_bad_views(scene, check_scene(scene));
+  order_by_kind(problems);
   for (const SceneProblem& problem : problems) {
     if (problem.fatal) throw_bad_input(problem.path, problem.field, problem.message, problem.remedy);
     if (problem.field == kDepthOfViews) continue;  // SensorCloud has asked, and tells the unit of the files

@@ -19,6 +19,22 @@ double factor(double a, double b) { return std::fmax(a / b, b / a); }
 
 }  // namespace
 
+std::string fault_of_matrix(const std::vector<double>& numbers, size_t side) {
+  constexpr double kRounding = 1e-6;  // of the focal length, and of the numbers 0 and 1
+  for (const double number : numbers) {
+    if (!std::isfinite(number)) return "a number is not finite";
+  }
+  const double fx = numbers[0], fy = numbers[side + 1];
+  if (!(fx > 0 && fy > 0)) return "focal lengths must be positive";
+  const auto is_zero = [&](size_t row, size_t column) { return std::fabs(numbers[row * side + column]) <= kRounding; };
+  const bool last_row = is_zero(2, 0) && is_zero(2, 1) && std::fabs(numbers[2 * side + 2] - 1) <= kRounding;
+  if (is_zero(0, 2) && is_zero(1, 2) && !last_row) return "it is column-major: the principal point is in its last row";
+  if (std::fabs(numbers[1]) > kRounding * fx || std::fabs(numbers[side]) > kRounding * fy)
+    return "skew is not supported, and lens distortion does not stand here";
+  if (!last_row) return "its third row is not 0 0 1";
+  return {};
+}
+
 Intrinsics read_intrinsics(const std::filesystem::path& file) {
   constexpr const char* kForm = "write fx 0 cx / 0 fy cy / 0 0 1, or fx fy cx cy";
   const std::vector<double> k = [&] {
@@ -31,10 +47,12 @@ Intrinsics read_intrinsics(const std::filesystem::path& file) {
   }();
   Intrinsics lens;
   if (k.size() == 4) {
-    lens = {k[0], k[1], k[2], k[3]};
+    lens = {k[0], k[1], k[2], k[3], 0, 0, file};
   } else if (k.size() == 9 || k.size() == 16) {
     const size_t row = k.size() == 9 ? 3 : 4;
-    lens = {k[0], k[row + 1], k[2], k[row + 2]};
+    if (const std::string fault = fault_of_matrix(k, row); !fault.empty())
+      throw_bad_input(file, "matrix", fault, kForm);
+    lens = {k[0], k[row + 1], k[2], k[row + 2], 0, 0, file};
   } else {
     throw_bad_input(file, "matrix", fmt::format("expected a 3x3 or 4x4 matrix, found {} numbers", k.size()), kForm);
   }

@@ -32,6 +32,24 @@ TEST(Intrinsics, OtherNumbersAreRefused) {
     EXPECT_THROW(read(text), Error) << text;
 }
 
+TEST(Intrinsics, AMatrixIsRefusedForWhatItIs) {
+  const auto fault_of = [](const std::string& text) {
+    try {
+      read(text);
+    } catch (const Error& error) {
+      return error.details().message;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(fault_of("500 0 0\n0 510 0\n320 240 1\n"), HasSubstr("column-major"));
+  EXPECT_THAT(fault_of("500 0 0 0\n0 510 0 0\n320 240 1 0\n0 0 0 1\n"), HasSubstr("column-major"));
+  EXPECT_THAT(fault_of("500 5 320\n0 510 240\n0 0 1\n"), HasSubstr("skew"));
+  EXPECT_THAT(fault_of("500 0 320\n0 510 240\n0 0 2\n"), HasSubstr("third row"));
+  EXPECT_THAT(fault_of("500 0 320\n0 510 240\n0 0 nan\n"), HasSubstr("finite"));
+  EXPECT_THAT(fault_of("500 510 320 240 0.2 -0.9 0.01 0 1"), HasSubstr("distortion")) << "with a lens behind";
+  EXPECT_EQ(fault_of("500 1e-9 320\n0 510 240\n1e-12 0 1\n"), "") << "rounding";
+}
+
 TEST(Intrinsics, TextIsToldWhichNumbersToWrite) {
   try {
     read("Camera.fx: 500\n");

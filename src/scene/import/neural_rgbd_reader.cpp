@@ -57,7 +57,7 @@ Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) 
           rigid_from_matrix(std::span(poses).subspan(16 * size_t(pose_of[i]), 16), pose_file, field));
       if (!depth_folder.empty()) set_depth(frame, depth_folder / ("depth" + digits_of(name) + ".png"));
       const ImageInfo info = read_image_info(frame.image);
-      set_intrinsics(frame, focal[0], focal[0], info.stored_width / 2.0, info.stored_height / 2.0);
+      set_intrinsics(frame, {focal[0], focal[0], info.stored_width / 2.0, info.stored_height / 2.0, 0, 0, focal_file});
       return frame;
     });
   }

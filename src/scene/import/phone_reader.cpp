@@ -96,7 +96,7 @@ CapturedFrame polycam_frame(const fs::path& image, const fs::path& json, const f
   for (const char* key : {"fx", "fy", "cx", "cy"}) camera.params.push_back(number_of(document, key));
   if (!all_finite(camera.params.data(), camera.params.size()))
     throw_bad_input(json, "fx, fy, cx, cy", "no number", "export the capture again");
-  set_camera(frame, camera);
+  set_camera(frame, camera, json);
   set_depth(frame, keyframes / "depth" / (frame.name + ".png"));
   frame.confidence = file_if_there(keyframes / "confidence" / (frame.name + ".png"));
   return frame;
@@ -111,8 +111,9 @@ CapturedFrame scanner_frame(const fs::path& image, const fs::path& folder) {
   const Json document = read_frame_json(json);
   frame.world_to_camera = pose_of(numbers_of(document, "cameraPoseARFrame", 16, json), json, "cameraPoseARFrame");
   const std::vector<double> k = numbers_of(document, "intrinsics", 9, json);
-  if (!all_finite(k.data(), k.size())) throw_bad_input(json, "intrinsics", "no number", "leave this frame out");
-  set_intrinsics(frame, k[0], k[4], k[2], k[5]);
+  if (const std::string fault = fault_of_matrix(k, 3); !fault.empty())
+    throw_bad_input(json, "intrinsics", fault, "export the capture again, or leave this frame out");
+  set_intrinsics(frame, {k[0], k[4], k[2], k[5], 0, 0, json});
   const std::string number = frame.name.substr(frame.name.find('_') + 1);
   set_depth(frame, folder / ("depth_" + number + ".png"));
   frame.confidence = file_if_there(folder / ("conf_" + number + ".png"));

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ReplicaCamera {
+  fs::path file{};                                                       ///< that has it; empty: the published one
   double w = 1200, h = 680, fx = 600, fy = 600, cx = 599.5, cy = 339.5;  ///< pixels; from the centre of the first pixel
   double scale = 6553.5;                                                 ///< stored depth values per metre
 };
@@ -30,6 +31,7 @@ ReplicaCamera read_camera(const fs::path& folder) {
   ReplicaCamera camera;
   const fs::path file = first_existing({folder / "cam_params.json", folder.parent_path() / "cam_params.json"});
   if (file.empty()) return camera;
+  camera.file = file;
   const std::string content = read_file(file);
   const std::string_view text = text_of_file(content, file);
   const nlohmann::json document = parse_json(text);
@@ -92,7 +94,7 @@ Capture read_replica(const fs::path& folder, const CaptureOptions&) {
                                                 "line " + std::to_string(pose_of[i] + 1))
                                   .inverse();
       set_depth(frame, folder / "results" / ("depth" + name.substr(5) + ".png"));
-      set_camera(frame, model);
+      set_camera(frame, model, camera.file);
       return frame;
     });
   }

@@ -38,9 +38,9 @@ CapturedFrame posed_frame(const std::string& name, const fs::path& image, const 
   frame.world_to_camera = rigid_from_scaled_matrix(m, pose_file, "matrix", frame.depth_scale).inverse();
   set_depth(frame, depth);
   if (k.width > 0)
-    set_camera(frame, pinhole_camera(k.fx, k.fy, k.cx, k.cy, k.width, k.height));
+    set_camera(frame, pinhole_camera(k.fx, k.fy, k.cx, k.cy, k.width, k.height), k.file);
   else
-    set_intrinsics(frame, k.fx, k.fy, k.cx, k.cy);
+    set_intrinsics(frame, k);
   return frame;
 }
 

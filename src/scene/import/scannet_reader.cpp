@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/intrinsics.h"
 
 namespace aligngs {
 
@@ -49,7 +50,9 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
   if (color_file.empty())
     throw_bad_input(folder, "intrinsic/intrinsic_color.txt", "the intrinsics of the colour camera are missing",
                     "export the scan again with SensReader's --export_intrinsics");
-  const std::vector<double> color = read_matrix4(color_file);
+  Intrinsics color = read_intrinsics(color_file);
+  color.cx += kHalfPixel;
+  color.cy += kHalfPixel;
   const std::vector<fs::path> photos = list_frame_photos(capture, folder / "color");
   note_poses_without_photo(capture, folder / "pose", photos);
   const fs::path depths = folder_called(folder, "depth");
@@ -67,13 +70,13 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
         throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
       frame.world_to_camera = rigid_from_matrix(m, pose, "matrix").inverse();
       set_depth(frame, depths / (name + ".png"));
-      set_intrinsics(frame, color[0], color[5], color[2] + kHalfPixel, color[6] + kHalfPixel);
+      set_intrinsics(frame, color);
       return frame;
     });
   }
   if (!depth_file.empty()) {
-    const std::vector<double> d = read_matrix4(depth_file);
-    DepthCamera camera{d[0], d[5], d[2] + kHalfPixel, d[6] + kHalfPixel, {}};
+    const Intrinsics d = read_intrinsics(depth_file);
+    DepthCamera camera{d.fx, d.fy, d.cx + kHalfPixel, d.cy + kHalfPixel, {}, depth_file};
     const fs::path color_extrinsic = intrinsic / "extrinsic_color.txt",
                    depth_extrinsic = intrinsic / "extrinsic_depth.txt";
     if (fs::exists(color_extrinsic) && fs::exists(depth_extrinsic)) {

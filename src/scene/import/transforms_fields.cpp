@@ -168,12 +168,10 @@ std::optional<std::array<double, 4>> TransformsFields::intrinsics() const {
       for (const Json& number : row.is_array() ? row : Json::array()) m.push_back(number_of_json(number));
     }
     const size_t side = m.size() == 16 ? 4 : 3;
-    const bool square =
-        m.size() == side * side && std::all_of(m.begin(), m.end(), [](double entry) { return std::isfinite(entry); });
-    const double skew = 1e-6;  // of the focal length: rounding
-    if (!square || !(m[0] > 0 && m[side + 1] > 0) || std::fabs(m[1]) > skew * m[0] || m[side] != 0 ||
-        m[2 * side] != 0 || m[2 * side + 1] != 0 || m[2 * side + 2] != 1)
-      throw_bad_input(file_, key, "this is no matrix of intrinsics", "write fx 0 cx / 0 fy cy / 0 0 1 in pixels");
+    const std::string fault = m.size() == side * side ? fault_of_matrix(m, side) : "it has not 3 or 4 rows";
+    if (!fault.empty())
+      throw_bad_input(file_, key, "this is no matrix of intrinsics: " + fault,
+                      "write fx 0 cx / 0 fy cy / 0 0 1 in pixels");
     return std::array{m[0], m[side + 1], m[2], m[side + 2]};
   }
   return {};
@@ -201,6 +199,13 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
   };
   double fx = focal("fl_x", matrix[0], "camera_angle_x", "x_fov", w),
          fy = focal("fl_y", matrix[1], "camera_angle_y", "y_fov", h);
+  const auto refuse_zero = [&](const char* key, double own, double other) {
+    if (!(own > 0) && other > 0 && find(key) != nullptr)
+      throw_bad_input(file_, key, "a focal length of 0",
+                      "the focal length in pixels, or no such key where both are equal");
+  };
+  refuse_zero("fl_x", fx, fy);
+  refuse_zero("fl_y", fy, fx);
   if (!(fx > 0)) fx = fy;
   if (!(fy > 0)) fy = fx;
   for (const char* key : {"camera_angle_x", "camera_angle_y"}) {

@@ -114,7 +114,7 @@ class FrameReader {
     frame.world_to_camera =
         pose_of(item.at("transform_matrix"), transforms_.file, field + ".transform_matrix", frame.depth_scale);
     const ImageInfo info = read_image_info(frame.image);
-    set_camera(frame, fields.camera(info.stored_width, info.stored_height));
+    set_camera(frame, fields.camera(info.stored_width, info.stored_height), transforms_.file);
     frame.depth = depth(fields);
     if (const double unit = depth_unit_of(fields, transforms_.file); unit > 0)
       frame.depth_scale *= unit / capture_.depth_unit;

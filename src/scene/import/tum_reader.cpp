@@ -101,7 +101,9 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
     throw_bad_input(folder, "intrinsics", "TUM sequences do not carry their intrinsics",
                     "give --intrinsics FILE with fx fy cx cy or the 3x3 matrix (freiburg1: 517.3 516.5 318.6 255.3)");
   }
-  const Intrinsics lens = read_intrinsics(options.intrinsics);
+  Intrinsics lens = read_intrinsics(options.intrinsics);
+  lens.cx += kHalfPixel;
+  lens.cy += kHalfPixel;
   Capture capture;
   capture.folder = folder;
   capture.metric = true;
@@ -139,7 +141,7 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
                         "write seven finite numbers, or leave this frame out");
       }
       frame.world_to_camera = Rigidd{rotation_matrix(normalized(q)), t}.inverse();
-      set_intrinsics(frame, lens.fx, lens.fy, lens.cx + kHalfPixel, lens.cy + kHalfPixel);
+      set_intrinsics(frame, lens);
       return frame;
     });
   }
