@@ -50,7 +50,8 @@ nlohmann::json text_fields(const std::string& body, std::initializer_list<const 
     if (it->get_ref<const std::string&>().size() > longest)
       refuse(name, std::string("\"") + name + "\" is too long", "send at most " + std::to_string(longest) + " bytes");
   }
-  for (const auto& [name, value] : json.items()) {
+  for (const auto& item : json.items()) {
+    const std::string& name = item.key();
     const bool asked = std::any_of(fields.begin(), fields.end(), [&](const char* field) { return name == field; });
     if (!asked) refuse(name.substr(0, 40), "the request has fields that nobody knows", "send these alone: " + known);
   }
