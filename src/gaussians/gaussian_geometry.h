@@ -2,14 +2,26 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "core/rigid.h"
 #include "gaussians/gaussian_model.h"
+#include "gaussians/soft_labels.h"
 
 namespace aligngs {
 
 /// Gaussians below are never drawn: alpha_min of the rasteriser.
 inline constexpr float kInvisibleOpacity = 1.0f / 255;
+
+/// The rows that are drawn at all.
+inline std::vector<uint32_t> visible_rows(const GaussianModel& model) {
+  std::vector<uint32_t> rows;
+  for (uint32_t i = 0; i < model.size(); ++i) {
+    if (opacity_of(model, i) >= kInvisibleOpacity) rows.push_back(i);
+  }
+  return rows;
+}
 
 /// Centre of row i, world.
 inline Vec3d position_of(const GaussianModel& model, size_t i) {

@@ -70,14 +70,6 @@ std::string escaped_script(std::string script) {
   return script;
 }
 
-std::vector<uint32_t> visible_rows(const GaussianModel& model) {
-  std::vector<uint32_t> rows;
-  for (uint32_t i = 0; i < model.size(); ++i) {
-    if (opacity_of(model, i) >= kInvisibleOpacity) rows.push_back(i);
-  }
-  return rows;
-}
-
 size_t harmonics_of(const GaussianModel& model) {
   return size_t(3) * static_cast<size_t>(sh_coefficient_count(model.sh_degree) - 1);
 }

@@ -116,7 +116,7 @@ PageNotes notes_of_request(const std::string& body) {
                  error.details().message,
                  {},
                  error.details().field,
-                 "send views and measurements as GET /api/notes gives them"});
+                 "send format, version, views and measurements, as page.json of a run has them"});
   }
 }
 

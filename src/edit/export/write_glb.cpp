@@ -56,10 +56,7 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
 /// KHR_gaussian_splatting: rotation x y z w, linear scale, opacity, spherical harmonics per coefficient.
 int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotation, size_t& written) {
   const GaussianModel model = rotated(room.gaussians.model, rotation);
-  std::vector<uint32_t> rows;
-  for (uint32_t i = 0; i < model.size(); ++i) {
-    if (opacity_of(model, i) >= kInvisibleOpacity) rows.push_back(i);
-  }
+  const std::vector<uint32_t> rows = visible_rows(model);
   written = rows.size();
   if (rows.empty()) return -1;
   std::vector<float> positions, rotations, scales, opacities, feature;
