@@ -210,14 +210,19 @@ ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::p
     one_camera = one_camera && photo.width == photos[0].width && photo.height == photos[0].height;
   }
   const ColmapRun run(work, options);
+  ColmapPoses poses;
   AttemptResult best = run_attempt(run, {"quick", false}, photos.size(), one_camera);
   if (best.largest.images.size() < photos.size()) {
     log_info("{} of {} photos placed; trying again with more sensitive features", best.largest.images.size(),
              photos.size());
-    AttemptResult second = run_attempt(run, {"thorough", true}, photos.size(), one_camera);
-    if (second.largest.images.size() >= best.largest.images.size()) best = std::move(second);
+    try {
+      AttemptResult second = run_attempt(run, {"thorough", true}, photos.size(), one_camera);
+      if (second.largest.images.size() >= best.largest.images.size()) best = std::move(second);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kFailed || best.largest.images.empty()) throw;
+      poses.second_failure = error.details().message;
+    }
   }
-  ColmapPoses poses;
   std::vector<std::string> placed;
   for (const ColmapImage& image : best.largest.images) placed.push_back(image.name);
   if (placed.size() < photos.size()) {

@@ -25,15 +25,19 @@ struct ColmapPoses {
   std::vector<LeftOut> unplaced;  ///< photos that have no camera, and why
   int other_models = 0;           ///< smaller ones, not connected with it
   double reprojection_error = 0;  ///< mean over its points, pixels
+  std::string second_failure;     ///< why the second attempt ended early; empty: it did not
 };
+
+/// Pixels of the shorter side. Feature extraction for affine shapes aborts below them.
+inline constexpr int kLeastColmapSide = 16;
 
 /// Error{kFailed} where the program is not in PATH.
 void require_colmap();
 
-/// Photos lie in `work`/images (prepare_photos); everything else that COLMAP makes goes to `work`,
-/// its messages to `work`/colmap.log. A second attempt with slower, more sensitive features follows
-/// when not all photos could be placed; the better one counts. Error{kFailed} when the program is
-/// missing or fails.
+/// Photos lie in `work`/images (prepare_photos), and none is narrower than kLeastColmapSide. Everything else that
+/// COLMAP makes goes to `work`, its messages to `work`/colmap.log. A second attempt with slower, more sensitive features follows
+/// when not all photos could be placed; the better one counts. A second attempt that fails leaves the first one,
+/// and `second_failure` says why. Error{kFailed} when the program is missing or fails without a camera.
 ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const std::filesystem::path& work,
                                    const ColmapPosesOptions& options);
 

@@ -1,7 +1,6 @@
 #include "priors/scene_from_photos.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
@@ -10,14 +9,13 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/steady_seconds.h"
-#include "core/temporary_paths.h"
-#include "io/abandoned_paths.h"
 #include "io/picture_format.h"
 #include "io/text_encoding.h"
 #include "priors/given_poses.h"
 #include "priors/scene_by_network.h"
 #include "priors/teacher_list.h"
 #include "priors/video_frames.h"
+#include "priors/work_folder.h"
 #include "scene/import/import_capture.h"
 #include "scene/photo_lookup.h"
 #include "scene/scene_place.h"
@@ -29,40 +27,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t kFewestPlaced = 3;  // two views leave most of a room unseen twice
-
-/// A folder beside the scene for what is needed on the way. It is removed unless the program COLMAP failed. Then it holds
-/// the messages until the next call.
-class WorkFolder {
- public:
-  explicit WorkFolder(const fs::path& scene) {
-    fs::path beside = fs::absolute(scene).lexically_normal();
-    if (!beside.has_filename()) beside = beside.parent_path();  // "scene/"
-    remove_abandoned(beside);
-    path_ = temporary_beside(beside, ".work-" + std::to_string(getpid()));
-    note_temporary_path(path_);
-    std::error_code error;
-    fs::create_directories(path_, error);
-    if (!error) {
-      lock_.emplace(path_);
-      return;
-    }
-    forget_temporary_path(path_);
-    throw_resources(path_, error.message(), "choose a folder that you may write to");
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!keep) fs::remove_all(path_, ignored);
-    forget_temporary_path(path_);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  const fs::path& path() const { return path_; }
-  bool keep = false;
-
- private:
-  fs::path path_;
-  std::optional<TemporaryFolderLock> lock_;
-};
 
 /// The photos that have cameras must be enough to train on. If not, the error gives the outcome of every photo.
 void require_enough_placed(const fs::path& folder, const std::vector<Photo>& photos,
@@ -127,8 +91,29 @@ void import_photos(const Capture& capture, const fs::path& source, const fs::pat
   report.test = imported.test;
 }
 
-void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, WorkFolder& work, const fs::path& scene,
-                     const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
+/// Photos that COLMAP can measure. The files of the others leave the folder that it reads.
+std::vector<Photo> wide_photos(const std::vector<Photo>& photos, std::vector<LeftOut>& left_out) {
+  std::vector<Photo> wide;
+  for (const Photo& photo : photos) {
+    const int side = std::min(photo.width, photo.height);
+    if (side >= kLeastColmapSide) {
+      wide.push_back(photo);
+      continue;
+    }
+    left_out.push_back({photo.name,
+                        fmt::format("its shorter side has {} pixels, and COLMAP needs {}", side, kLeastColmapSide),
+                        "remove it, or raise --max-size"});
+    std::error_code ignored;
+    fs::remove(photo.file, ignored);
+  }
+  return wide;
+}
+
+void scene_by_colmap(const fs::path& source, const std::vector<Photo>& prepared, WorkFolder& work,
+                     const fs::path& scene, const ScenePhotosOptions& options, ThreadPool& pool,
+                     ScenePhotosReport& report) {
+  const std::vector<Photo> photos = wide_photos(prepared, report.unplaced);
+  require_enough(source, photos.size(), report.unplaced, kFewestPlaced, options.strict, "photos");
   ColmapPosesOptions colmap;
   colmap.shared_camera = options.shared_camera;
   colmap.threads = options.threads;
@@ -137,8 +122,13 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   try {
     poses = find_poses_with_colmap(photos, work.path(), colmap);
   } catch (const Error& error) {
-    work.keep = error.kind() == ErrorKind::kFailed && fs::exists(work.path() / "colmap.log");
+    work.keep = error.kind() == ErrorKind::kFailed && fs::exists(work.log());
     throw;
+  }
+  if (!poses.second_failure.empty()) {
+    work.keep_log = true;
+    log_warning("the second attempt failed, so the cameras are those of the first: {}\n  log: {}", poses.second_failure,
+                work.log().string());
   }
   report.unplaced.insert(report.unplaced.end(), poses.unplaced.begin(), poses.unplaced.end());
   report.placed = poses.model.images.size();
