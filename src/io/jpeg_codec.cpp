@@ -9,6 +9,8 @@
 #include "io/damaged_file.h"
 #include "io/exif_orientation.h"
 #include "io/image_limits.h"
+#include "io/jpeg_segments.h"
+#include "io/jpeg_warnings.h"
 
 namespace aligngs {
 namespace {
@@ -22,55 +24,11 @@ struct JpegHandleDeleter {
 };
 using JpegHandle = std::unique_ptr<void, JpegHandleDeleter>;
 
-uint8_t byte_at(std::string_view bytes, size_t i) { return static_cast<uint8_t>(bytes[i]); }
-
-enum Marker : uint8_t { kEndOfImage = 0xd9, kStartOfScan = 0xda, kApp1 = 0xe1, kApp14 = 0xee };
-
-bool is_frame_header(uint8_t marker) {
-  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-}
-bool stands_alone(uint8_t marker) { return marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8); }
-
-/// The segments of a JPEG stream, one after the other; entropy-coded data are skipped.
-class SegmentWalker {
- public:
-  explicit SegmentWalker(std::string_view bytes) : bytes_(bytes) {}
-
-  /// False at the end of the bytes, also in the middle of a segment. `content` is without marker
-  /// and length.
-  bool next(uint8_t& marker, std::string_view& content) {
-    // Between segments only 0xff fill bytes are allowed; readers skip anything else, and so do
-    // scans.
-    while (position_ + 1 < bytes_.size()) {
-      const uint8_t code = byte_at(bytes_, position_ + 1);
-      if (byte_at(bytes_, position_) == 0xff && code != 0x00 && code != 0xff) break;
-      ++position_;
-    }
-    if (position_ + 1 >= bytes_.size()) return false;
-    marker = byte_at(bytes_, position_ + 1);
-    position_ += 2;
-    content = {};
-    if (stands_alone(marker) || marker == kEndOfImage) return true;
-    if (position_ + 2 > bytes_.size()) return false;
-    const size_t length = size_t(byte_at(bytes_, position_)) << 8 | byte_at(bytes_, position_ + 1);
-    if (length < 2 || position_ + length > bytes_.size()) return false;
-    content = bytes_.substr(position_ + 2, length - 2);
-    position_ += length;
-    return true;
-  }
-
- private:
-  std::string_view bytes_;
-  size_t position_ = 2;  // after the start-of-image marker
-};
-
-/// Oddities that real cameras and editors leave and that cost no pixel.
-bool is_harmless(std::string_view warning) {
-  for (const std::string_view known : {"extraneous bytes before marker", "Unknown Adobe color transform",
-                                       "Invalid SOS parameters for sequential JPEG"}) {
-    if (warning.find(known) != std::string_view::npos) return true;
-  }
-  return false;
+/// Error{kBadInput} unless the last call ended with a harmless warning.
+void refuse_damage(void* handle, const char* field, std::string_view bytes, const std::filesystem::path& name) {
+  const std::string message = tjGetErrorStr2(handle);
+  if (tjGetErrorCode(handle) != TJERR_WARNING || means_damage(message, bytes))
+    throw_bad_input(name, field, message, kDamagedFileRemedy);
 }
 
 /// Light that four inks leave: each takes its share of it. `inverted`: 255 is no ink.
@@ -130,23 +88,28 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
 Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& name) {
   const JpegHandle handle(tjInitDecompress());
   if (!handle) throw_resources(name, "the JPEG decoder cannot start");
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
-  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace) != 0) {
-    throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kDamagedFileRemedy);
-  }
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const int header = tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace);
+  if (header != 0) refuse_damage(handle.get(), "JPEG header", bytes, name);
   const bool cmyk = colorspace == TJCS_CMYK || colorspace == TJCS_YCCK;
   require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerJpegByte, name);
   if (!has_end_of_jpeg(bytes)) throw_bad_input(name, "JPEG data", "the picture is truncated", kDamagedFileRemedy);
 
   Image<uint8_t> image(width, height, cmyk ? 4 : 3);
-  const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0, height,
-                                   cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
-  if (status != 0) {
-    const std::string message = tjGetErrorStr2(handle.get());
-    if (tjGetErrorCode(handle.get()) != TJERR_WARNING || !is_harmless(message)) {
-      throw_bad_input(name, "JPEG data", message, kDamagedFileRemedy);
-    }
+  std::string_view stream = bytes;
+  std::string plain;
+  for (bool again = true; again;) {
+    again = false;
+    const auto* from = reinterpret_cast<const unsigned char*>(stream.data());
+    const int status = tjDecompress2(handle.get(), from, stream.size(), image.data.data(), width, 0, height,
+                                     cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
+    if (status == 0) break;
+    refuse_damage(handle.get(), "JPEG data", stream, name);
+    if (!plain.empty()) break;
+    plain = without_odd_headers(bytes);
+    again = plain != bytes;
+    stream = plain;
   }
   return cmyk ? rgb_of_cmyk(image, parse_jpeg_header(bytes, name).adobe) : image;
 }

@@ -62,12 +62,12 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   const std::string bytes = read_file(photo.file);
   const bool common = is_common_picture(bytes, photo.file);
   const bool large = std::max(photo.width, photo.height) > max_side;
+  Image<uint8_t> image = decode_image(bytes, photo.file);  // also of what is copied: damage shows here alone
   if (!large && common && read_image_info(photo.file).orientation == 1) {
     out.file = folder / (photo.name + (is_jpeg(bytes) ? ".jpg" : ".png"));
     write_file_atomically(out.file, bytes);
     return out;
   }
-  Image<uint8_t> image = decode_image(bytes, photo.file);
   if (large) image = shrunk(image, max_side);
   out.width = image.width;
   out.height = image.height;
@@ -153,17 +153,27 @@ PhotoList list_photos(const fs::path& folder) { return listed_photos(folder, fal
 PhotoList list_named_photos(const fs::path& folder) { return listed_photos(folder, true); }
 
 std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::path& folder, int max_side,
-                                  ThreadPool& pool) {
+                                  ThreadPool& pool, std::vector<LeftOut>& left_out) {
   make_folders(folder);
   std::vector<Photo> prepared(photos.size());
   std::vector<fs::path> masks;
   for (const Photo& photo : photos) masks.push_back(find_mask(photo.file));
   const bool any_mask = std::any_of(masks.begin(), masks.end(), [](const fs::path& mask) { return !mask.empty(); });
+  std::vector<std::vector<LeftOut>> faults(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
-    prepared[i] = prepare(photos[i], folder, max_side);
-    if (any_mask) prepare_mask(masks[i], photos[i], prepared[i], folder);
+    const bool good = use_or_leave_out(photos[i].name, faults[i], [&] {
+      prepared[i] = prepare(photos[i], folder, max_side);
+      if (any_mask) prepare_mask(masks[i], photos[i], prepared[i], folder);
+    });
+    std::error_code ignored;
+    if (!good) fs::remove(prepared[i].file, ignored);  // whoever finds cameras reads the folder
   });
-  return prepared;
+  std::vector<Photo> good;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (faults[i].empty()) good.push_back(std::move(prepared[i]));
+    left_out.insert(left_out.end(), faults[i].begin(), faults[i].end());
+  }
+  return good;
 }
 
 }  // namespace aligngs

@@ -36,9 +36,8 @@ bool has_photos(const std::filesystem::path& folder);
 /// Copies into `folder` under <name>.jpg or .png. Unchanged if upright and no side exceeds `max_side` pixels. Else
 /// turned and resized (JPEG of quality 95, with the focal length that the camera wrote into it). The result lists the
 /// copies. Masks (scene/photo_mask.h) go to masks/ beside `folder`, a white one for a photo without. No photo with a
-/// mask:
-/// none is written.
+/// mask: none is written. `left_out` gets photos whose pixels or masks are damaged.
 std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const std::filesystem::path& folder, int max_side,
-                                  ThreadPool& pool);
+                                  ThreadPool& pool, std::vector<LeftOut>& left_out);
 
 }  // namespace aligngs

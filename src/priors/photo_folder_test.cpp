@@ -25,6 +25,7 @@ class PhotoFolder : public testing::Test {
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
+  std::vector<LeftOut> left_out;
   static Image<uint8_t> picture(int width, int height, int channels = 3) {
     Image<uint8_t> image(width, height, channels, 90);
     image.at(0, 0) = 255;
@@ -82,7 +83,7 @@ TEST_F(PhotoFolder, PhotosOfATelephoneBecomeJpegWithTheirFocalLength) {
   fs::copy_file(pictures / "plain.heic", folder / "IMG_1.HEIC");
   fs::copy_file(pictures / "turned.heic", folder / "IMG_2.HEIC");
   ThreadPool pool(2);
-  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool);
+  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool, left_out);
   ASSERT_EQ(prepared.size(), 2u);
   EXPECT_EQ(prepared[0].file, folder / "work" / "IMG_1.jpg");
   const std::string bytes = read_file(prepared[0].file);
@@ -99,7 +100,7 @@ TEST_F(PhotoFolder, MasksComeAlongUprightAndWhiteWhereThereIsNone) {
   write_png(folder / "masks" / "a.png", mask);
   ThreadPool pool(2);
   const std::vector<Photo> prepared =
-      prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool);
+      prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool, left_out);
   ASSERT_EQ(prepared.size(), 2u);
   const Image<uint8_t> turned = read_image(folder / "work" / "masks" / "a.jpg.png"),
                        white = read_image(folder / "work" / "masks" / "b.jpg.png");
@@ -115,7 +116,7 @@ TEST_F(PhotoFolder, ANameThatLiesAboutTheFormatIsNoTrouble) {
   fs::copy_file(fs::path(ALIGNGS_SOURCE_DIR) / "tests/data/pictures/plain.heic", folder / "a.jpg");
   write_jpeg(folder / "b.jpg", picture(20, 16));
   ThreadPool pool(1);
-  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool);
+  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool, left_out);
   EXPECT_TRUE(is_common_picture(read_file(prepared[0].file), ""));
 }
 
@@ -147,7 +148,8 @@ TEST_F(PhotoFolder, SubfoldersCountWhereTheFolderItselfHasNoPhotos) {
   ASSERT_EQ(list.photos.size(), 2u);
   EXPECT_EQ(list.photos[1].name, "right/1");
   ThreadPool pool(1);
-  EXPECT_EQ(prepare_photos(list.photos, folder / "work", 100, pool)[0].file, folder / "work" / "left" / "1.jpg");
+  EXPECT_EQ(prepare_photos(list.photos, folder / "work", 100, pool, left_out)[0].file,
+            folder / "work" / "left" / "1.jpg");
   EXPECT_TRUE(fs::exists(folder / "work" / "left" / "1.jpg"));
 }
 
@@ -167,7 +169,7 @@ TEST_F(PhotoFolder, UprightPhotosAreCopiedAsTheyAre) {
   write_jpeg(folder / "a.jpg", picture(20, 16));
   write_png(folder / "b.png", picture(20, 16, 4));
   ThreadPool pool(2);
-  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool);
+  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool, left_out);
   EXPECT_EQ(read_file(prepared[0].file), read_file(folder / "a.jpg"));
   EXPECT_EQ(read_file(prepared[1].file), read_file(folder / "b.png"));
 }
@@ -179,7 +181,7 @@ TEST_F(PhotoFolder, TurnedPhotosAreMadeUpright) {
   const std::vector<Photo> photos = list_photos(folder).photos;
   EXPECT_EQ(photos[0].width, 24);
   EXPECT_EQ(photos[0].height, 40);
-  const auto prepared = prepare_photos(photos, folder / "work", 1600, pool);
+  const auto prepared = prepare_photos(photos, folder / "work", 1600, pool, left_out);
   const Image<uint8_t> image = read_image(prepared[0].file);
   EXPECT_EQ(image.width, 24);
   EXPECT_NE(read_file(prepared[0].file), read_file(folder / "a.jpg"));
@@ -189,7 +191,7 @@ TEST_F(PhotoFolder, LargePhotosAreShrunkToTheLongerSide) {
   write_jpeg(folder / "a.jpg", picture(200, 100));
   write_png(folder / "b.png", picture(100, 200, 4));
   ThreadPool pool(1);
-  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 50, pool);
+  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 50, pool, left_out);
   EXPECT_EQ(prepared[0].width, 50);
   EXPECT_EQ(prepared[0].height, 25);
   const Image<uint8_t> second = read_image(prepared[1].file);
@@ -203,10 +205,50 @@ TEST_F(PhotoFolder, AShrunkPhotoKeepsItsFocalLength) {
         << with_exif(encode_jpeg_bytes(picture(200, 100), 90), exif_with_focal_35mm(24));
   }
   ThreadPool pool(1);
-  const fs::path file = prepare_photos(list_photos(folder).photos, folder / "work", 50, pool)[0].file;
+  const fs::path file = prepare_photos(list_photos(folder).photos, folder / "work", 50, pool, left_out)[0].file;
   const std::string bytes = read_file(file);
   EXPECT_EQ(exif_focal_35mm(parse_jpeg_header(bytes, file).exif, 50), 24);
   EXPECT_EQ(read_image(file).width, 50);
+}
+
+TEST_F(PhotoFolder, APhotoWithDamagedPixelsIsLeftOutOfWhatIsPrepared) {
+  write_jpeg(folder / "good.jpg", picture(64, 48));
+  std::string damaged = read_file(folder / "good.jpg");
+  damaged.insert(damaged.size() - 2, "not one of these bytes is like the others");
+  write_file_atomically(folder / "bad.jpg", damaged);
+  ThreadPool pool(1);
+  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool, left_out);
+  ASSERT_EQ(prepared.size(), 1u);
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_THAT(left_out[0].reason, testing::HasSubstr("Corrupt JPEG data"));
+}
+
+TEST_F(PhotoFolder, APngWithADamagedChunkIsLeftOutOfWhatIsPrepared) {
+  write_png(folder / "good.png", picture(64, 48));
+  std::string damaged = read_file(folder / "good.png");
+  damaged[damaged.find("IDAT") + 10] ^= 1;
+  write_file_atomically(folder / "bad.png", damaged);
+  ThreadPool pool(1);
+  EXPECT_EQ(prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool, left_out).size(), 1u);
+}
+
+TEST_F(PhotoFolder, APhotoWhoseMaskCannotBeReadIsLeftOutWithItsMask) {
+  write_jpeg(folder / "a.jpg", picture(64, 48));
+  write_jpeg(folder / "b.jpg", picture(64, 48));
+  write_file_atomically(folder / "masks" / "b.png", "");
+  ThreadPool pool(1);
+  prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool, left_out);
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_THAT(left_out[0].reason, testing::HasSubstr("masks/b.png"));
+}
+
+TEST_F(PhotoFolder, WhoFindsCamerasDoesNotSeeAPhotoThatIsLeftOut) {
+  write_jpeg(folder / "a.jpg", picture(64, 48));
+  write_jpeg(folder / "b.jpg", picture(64, 48));
+  write_file_atomically(folder / "masks" / "b.png", "");
+  ThreadPool pool(1);
+  prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool, left_out);
+  EXPECT_FALSE(fs::exists(folder / "work" / "images" / "b.jpg"));
 }
 
 }  // namespace

@@ -240,7 +240,10 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
     scene_by_given_poses(source, checked.cameras, listed, scene, options, pool, report);
   } else {
     if (!work) work.emplace(scene);
-    const std::vector<Photo> photos = prepare_photos(listed.photos, work->path() / "images", options.max_side, pool);
+    const std::vector<Photo> photos =
+        prepare_photos(listed.photos, work->path() / "images", options.max_side, pool, report.unplaced);
+    constexpr size_t kFewest = 2;  // one photo has no parallax
+    require_enough(listed.folder, photos.size(), report.unplaced, kFewest, options.strict, "photos");
     if (is_camera_network_method(options.method)) {
       report.method = options.model;
       scene_by_network(photos, scene, store, options, pool, report);
