@@ -71,5 +71,44 @@ TEST(LeftOut, TooFewOrStrictIsAnError) {
   EXPECT_THROW(require_enough("d", 9, kTwo, 2, true), Error);
 }
 
+/// Files of every view with one fault, in this folder.
+std::vector<LeftOut> views_without(const std::string& folder, const std::string& extension) {
+  std::vector<LeftOut> views;
+  for (const char* name : {"a", "b", "c"}) {
+    use_or_leave_out(name, views, [&] {
+      throw_bad_input("scene/" + folder + "/" + name + extension, "", "the file is empty", "x");
+    });
+  }
+  return views;
+}
+
+TEST(LeftOut, AMaskIsNamedWithItsFolder) {
+  EXPECT_EQ(summary_of(0, views_without("masks", ".png"), "views"),
+            "0 of 3 views; left out: all (such as: masks/a.png: the file is empty)");
+}
+
+TEST(LeftOut, ADepthMapIsNamedWithItsFolder) {
+  EXPECT_EQ(summary_of(0, views_without("pred_depths", ".npy"), "views"),
+            "0 of 3 views; left out: all (such as: pred_depths/a.npy: the file is empty)");
+}
+
+TEST(LeftOut, AViewInASubfolderHasTheFolderOfItsMask) {
+  std::vector<LeftOut> views;
+  use_or_leave_out("left/1", views, [] { throw_bad_input("scene/masks/left/1.png", "", "the file is empty", "x"); });
+  EXPECT_EQ(views.at(0).reason, "masks/left/1.png: the file is empty");
+}
+
+TEST(LeftOut, ANameThatIsTooLongIsShortened) {
+  const std::string name(5000, 'x');
+  EXPECT_LT(summary_of(1, {{name, "the photo " + name + " is missing", ""}}).size(), 500u);
+}
+
+TEST(LeftOut, AShortenedNameHasWholeLetters) {
+  std::string name;
+  for (int i = 0; i < 300; ++i) name += "\xc3\xbc";
+  const std::string text = summary_of(1, {{"y" + name, "the photo is missing", ""}});
+  EXPECT_EQ(text.find("\xef\xbf\xbd"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace aligngs
