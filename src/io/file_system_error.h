@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <system_error>
 
 #include "core/error.h"
@@ -11,9 +12,19 @@ namespace aligngs {
 /// Advice for a write that failed with this error number (errno).
 const char* remedy_for_write(int code);
 
+/// "cannot open", with the reason of the system where errno has one.
+std::string cannot_open(int code);
+
 /// kBadInput where the path itself cannot be followed, else kResources. Such paths are links to themselves, files in the
 /// place of folders, names that are too long, and folders that may not be entered.
 Error error_of(const std::filesystem::filesystem_error& error);
+
+/// The cause of a write to `place` that failed with `error`. A copy on a full disk ends with an input/output error, which
+/// says nothing about the disk.
+std::error_code cause_of_write(const std::error_code& error, const std::filesystem::path& place);
+
+/// Error{kBadInput} where there is no such folder, where it is a file, and where its names may not be listed.
+void require_readable_folder(const std::filesystem::path& folder, const std::string& remedy);
 
 /// Makes the folder and those that hold it; Error{kResources} where that fails.
 void make_folders(const std::filesystem::path& folder);

@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "io/file_system_error.h"
+
 namespace aligngs {
 
 namespace fs = std::filesystem;
@@ -38,6 +40,7 @@ void copy_entry(const fs::path& from, const fs::path& to, CopiedLinks links, Way
 void copy_folder(const fs::path& from, const fs::path& to, CopiedLinks links, std::error_code& error) {
   error.clear();
   copy_entry(from, to, links, Way::kCopy, error);
+  error = cause_of_write(error, to);
 }
 
 void link_folder(const fs::path& from, const fs::path& to, std::error_code& error) {

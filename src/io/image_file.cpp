@@ -1,6 +1,7 @@
 #include "io/image_file.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -8,6 +9,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/exif_orientation.h"
+#include "io/file_system_error.h"
 #include "io/foreign_content.h"
 #include "io/heif_codec.h"
 #include "io/image_limits.h"
@@ -81,8 +83,10 @@ std::string_view view_of(const std::vector<uint8_t>& bytes) {
 
 ImageInfo read_image_info(const std::filesystem::path& path) {
   require_no_waiting(path);
+  if (std::filesystem::is_directory(path)) throw_bad_input(path, "", "this is a folder, not a file", "name a file");
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) throw_bad_input(path, "", "cannot open", "check the path");
+  if (!file) throw_bad_input(path, "", cannot_open(errno), "check the path and its permissions");
   // The header is usually within the first kilobytes, but profiles and previews may precede it.
   std::string bytes;
   ImageInfo info;

@@ -8,7 +8,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/error.h"
+#include "core/testing/error.h"
 #include "io/atomic_file.h"
 
 namespace aligngs {
@@ -300,6 +300,15 @@ TEST(ImageFile, FloatConversionsClampAndRound) {
   Image<uint8_t> all(256, 1, 1);
   for (int i = 0; i < 256; ++i) all.at(i, 0) = uint8_t(i);
   EXPECT_EQ(to_bytes(to_float(all)).data, all.data);
+}
+
+TEST(ImageFile, ATruncatedPngIsCalledTruncated) {
+  Image<uint8_t> noise(32, 32, 3);
+  for (size_t i = 0; i < noise.data.size(); ++i) noise.data[i] = uint8_t(i * i * 31 + i / 7);
+  const std::string png = text_of(encode_png(noise));
+  const std::string message =
+      error_of(ErrorKind::kBadInput, [&] { decode_image(png.substr(0, png.size() / 2), "photo"); });
+  EXPECT_NE(message.find("the picture is truncated"), std::string::npos) << message;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cctype>
+#include <cerrno>
 #include <fstream>
 #include <string_view>
 
@@ -13,6 +14,7 @@
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/damaged_file.h"
+#include "io/file_system_error.h"
 #include "io/foreign_content.h"
 #include "io/text_tokens.h"
 #include "io/waiting_file.h"
@@ -268,10 +270,11 @@ void write_npy(const std::filesystem::path& path, const char* dtype, const std::
 
 ArrayHeader read_npy_header(const std::filesystem::path& path) {
   require_no_waiting(path);
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::error_code error;
   const uint64_t size = std::filesystem::file_size(path, error);
-  if (!file || error) throw_bad_input(path, "", "cannot open", "check the path");
+  if (!file || error) throw_bad_input(path, "", cannot_open(errno), "check the path");
   constexpr size_t kUsualBytes = 4096,
                    kPreamble = 12;  // 12 bytes precede the header of versions 2 and 3
   std::string prefix;

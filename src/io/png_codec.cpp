@@ -24,7 +24,8 @@ using PngContext = std::unique_ptr<spng_ctx, ContextDeleter>;
 
 [[noreturn]] void fail(const std::filesystem::path& name, int code) {
   if (code == SPNG_EMEM) throw_resources(name, "not enough memory to decode the PNG");
-  throw_bad_input(name, "PNG data", spng_strerror(code), kDamagedFileRemedy);
+  const char* what = code == SPNG_IO_EOF ? "the picture is truncated" : spng_strerror(code);
+  throw_bad_input(name, "PNG data", what, kDamagedFileRemedy);
 }
 
 void require(const std::filesystem::path& name, int code) {

@@ -106,8 +106,7 @@ bool has_photos(const fs::path& folder) {
 namespace {
 
 PhotoList listed_photos(const fs::path& given, bool with_hidden) {
-  if (!fs::is_directory(given))
-    throw_bad_input(given, "", "there is no such folder", "give the folder that holds the photos");
+  require_readable_folder(given, "give the folder that holds the photos");
   PhotoList list;
   list.folder = folder_with_photos(given);
   std::string unread;

@@ -10,6 +10,7 @@
 #include "core/is_depth.h"
 #include "io/atomic_file.h"
 #include "io/colmap.h"
+#include "io/file_system_error.h"
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "io/npz.h"
@@ -34,7 +35,8 @@ template <class Operation>
 void on_disk(const fs::path& path, const char* what, Operation operation) {
   std::error_code error;
   operation(error);
-  if (error) throw_resources(path, std::string(what) + ": " + error.message(), "check free space and permissions");
+  error = cause_of_write(error, path);
+  if (error) throw_resources(path, std::string(what) + ": " + error.message(), remedy_for_write(error.value()));
 }
 
 void make_folder(const fs::path& path) {

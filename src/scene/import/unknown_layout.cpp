@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "io/file_system_error.h"
 #include "io/picture_format.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture.h"
@@ -150,7 +151,7 @@ bool is_archive(const fs::path& file) {
 }
 
 void require_capture_folder(const fs::path& folder) {
-  if (is_folder(folder)) return;
+  if (is_folder(folder)) return require_readable_folder(folder, "give the folder of the capture");
   std::error_code error;
   if (!fs::exists(folder, error))
     throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
