@@ -9,6 +9,7 @@
 #include "io/json_integer.h"
 #include "io/json_text.h"
 #include "io/output_place.h"
+#include "io/text_encoding.h"
 
 namespace aligngs {
 namespace {
@@ -62,10 +63,11 @@ void BatchFolder::prepare(const Batch& batch) const {
       const bool part = name == "rooms" || name == "records" || name == "leases" || name == "logs";
       if (name.rfind("list.json", 0) == 0 || (part && (fs::is_empty(entry.path(), error) || fs::exists(list(), error))))
         continue;
-      throw Error({ErrorKind::kUsage, "the folder is not empty and holds no batch", folder_ / name, "-o",
+      throw Error({ErrorKind::kUsage, "the folder is not empty and holds no batch, but " + as_utf8(name), folder_, "-o",
                    "name a new or empty folder"});
     }
   }
+  require_folder_place(folder_);
   const std::string old = fs::exists(list(), error) ? read_file(list(), kLargestList) : "";
   if (!old.empty() && old.find("\"rooms\"") == std::string::npos)
     throw Error({ErrorKind::kUsage, "this list was not written by aligngs: it is never replaced", list(), "-o",
@@ -109,7 +111,7 @@ Batch BatchFolder::read() const {
       room.options.push_back(word.get<std::string>());
     }
     room.line = integer_member<int>(item, "line");
-    require_valid_room(room, batch.rooms, list());
+    require_valid_room(room, batch.rooms, list(), "write it again: aligngs batch LIST -o DIR");
     batch.rooms.push_back(std::move(room));
   }
   return batch;

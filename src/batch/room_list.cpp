@@ -5,6 +5,7 @@
 
 #include "batch/option_words.h"
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "io/atomic_file.h"
 #include "io/text_encoding.h"
 
@@ -43,14 +44,26 @@ std::string_view trimmed(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view() : text.substr(begin, end - begin + 1);
 }
 
+/// The first line of a table that a spreadsheet has written.
+bool is_heading(const std::vector<std::string_view>& fields) {
+  constexpr std::array<std::string_view, 4> kNames = {"room", "rooms", "name", "names"};
+  constexpr std::array<std::string_view, 9> kSources = {"source", "sources", "path",   "folder", "photos",
+                                                        "scene",  "input",   "images", "file"};
+  const auto is_one_of = [](const auto& words, std::string_view field) {
+    return std::find(words.begin(), words.end(), lower_case(trimmed(field))) != words.end();
+  };
+  return fields.size() > 1 && is_one_of(kNames, fields[0]) && is_one_of(kSources, fields[1]);
+}
+
 }  // namespace
 
 std::string line_field(int line) { return "line " + std::to_string(line); }
 
-void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& before, const fs::path& list) {
+void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& before, const fs::path& list,
+                        const char* form) {
   constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
   const std::string field = line_field(room.line);
-  if (room.name.empty()) throw_bad_input(list, field, "the room has no name", kLineForm);
+  if (room.name.empty()) throw_bad_input(list, field, "the room has no name", form);
   if (room.name.size() > kLongestName || room.name.find_first_not_of(kAllowed) != std::string::npos ||
       room.name[0] == '.' || room.name[0] == '-') {
     throw_bad_input(list, field, "this is no name of a room: \"" + room.name.substr(0, kLongestName) + "\"",
@@ -63,11 +76,10 @@ void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& bef
                     "the room " + room.name + " is listed twice, first in line " + std::to_string(twin->line),
                     "give each room a name of its own");
   }
-  if (room.source.empty()) throw_bad_input(list, field, "the room " + room.name + " has no source", kLineForm);
-  if (room.source.find('\0') != std::string::npos)
-    throw_bad_input(list, field, "the source holds a zero byte", kLineForm);
+  if (room.source.empty()) throw_bad_input(list, field, "the room " + room.name + " has no source", form);
+  if (room.source.find('\0') != std::string::npos) throw_bad_input(list, field, "the source holds a zero byte", form);
   for (const std::string& word : room.options) {
-    if (word.find('\0') != std::string::npos) throw_bad_input(list, field, "an option holds a zero byte", kLineForm);
+    if (word.find('\0') != std::string::npos) throw_bad_input(list, field, "an option holds a zero byte", form);
     if (is_own(word)) {
       throw_bad_input(list, field, "a room may not have the option " + word,
                       "leave it out: the batch decides about folder, resuming and output");
@@ -83,8 +95,7 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
     ++number;
     if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
     const std::vector<std::string_view> fields = split_at(line, '\t');
-    // a heading
-    if (rooms.empty() && fields.size() > 1 && trimmed(fields[0]) == "room" && trimmed(fields[1]) == "source") continue;
+    if (rooms.empty() && is_heading(fields)) continue;
     if (fields.size() < 2)
       throw_bad_input(name_for_errors, line_field(number), "there is no tab between room and source", kLineForm);
     RoomEntry room;
@@ -98,7 +109,7 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
         throw_bad_input(name_for_errors, line_field(number), error.details().message, error.details().remedy);
       }
     }
-    require_valid_room(room, rooms, name_for_errors);
+    require_valid_room(room, rooms, name_for_errors, kLineForm);
     rooms.push_back(std::move(room));
   }
   if (rooms.empty()) throw_bad_input(name_for_errors, "", "the list has no rooms", kLineForm);

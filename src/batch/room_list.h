@@ -40,7 +40,8 @@ std::vector<RoomEntry> read_room_list(const std::filesystem::path& path);
 
 /// "line N"
 std::string line_field(int line);
-/// Error{kBadInput} for an entry that no list may have. `names` are those before it.
-void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& before, const std::filesystem::path& list);
+/// Error{kBadInput} for an entry that no list may have. `before` are those above it, `form` says how the list is written.
+void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& before, const std::filesystem::path& list,
+                        const char* form);
 
 }  // namespace aligngs

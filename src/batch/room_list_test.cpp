@@ -116,5 +116,26 @@ TEST(RoomList, DamagedListsAreReadOrRefused) {
   }
 }
 
+TEST(RoomList, ATomlRoomWithoutASourceIsAdvisedInToml) {
+  try {
+    parse_room_toml("[[room]]\nname = \"a\"\n", "rooms.toml");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.details().remedy, HasSubstr("[[room]]"));
+  }
+}
+
+TEST(RoomList, HeadingsOfSpreadsheetsAreNoRooms) {
+  for (const char* heading : {"name\tsource", "Room\tSource\tOptions", "name\tpath", "rooms\tphotos"}) {
+    const std::vector<RoomEntry> rooms = parse_room_table(std::string(heading) + "\na\tx\n", "rooms.tsv");
+    ASSERT_EQ(rooms.size(), 1u) << heading;
+    EXPECT_EQ(rooms[0].name, "a") << heading;
+  }
+}
+
+TEST(RoomList, ARoomCalledNameIsOneBelowTheFirstLine) {
+  EXPECT_EQ(parse_room_table("a\tx\nname\tsource\n", "rooms.tsv").size(), 2u);
+}
+
 }  // namespace
 }  // namespace aligngs

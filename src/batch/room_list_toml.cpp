@@ -35,7 +35,7 @@ class TomlList {
       if (!item.is_table()) fail(item, "a room is no table");
       RoomEntry room = room_of(*item.as_table());
       room.options.insert(room.options.begin(), shared.begin(), shared.end());
-      require_valid_room(room, rooms, list_);
+      require_valid_room(room, rooms, list_, kTomlForm);
       rooms.push_back(std::move(room));
     }
     return rooms;

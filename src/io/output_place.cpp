@@ -1,5 +1,7 @@
 #include "io/output_place.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -10,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "io/file_system_error.h"
 
 namespace aligngs {
 
@@ -108,6 +111,23 @@ void require_extension(const fs::path& file, const std::string& format) {
   }
   throw Error({ErrorKind::kUsage, "the name says " + has.substr(1) + ", but " + wanted.substr(1) + " would be written",
                file, "output", "name a file that ends in " + wanted + ", or ask for the other format"});
+}
+
+void require_folder_place(const fs::path& folder) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error({ErrorKind::kUsage, what, folder, "output", "name a folder"});
+  };
+  if (folder.empty() || folder == "-") refuse("this is no name of a folder; nothing is written to standard output");
+  std::error_code error;
+  if (fs::exists(folder, error) || fs::is_symlink(folder, error)) return;
+  fs::path around = real_place(folder).parent_path();
+  while (!fs::exists(around, error) && around != around.parent_path()) around = around.parent_path();
+  if (!fs::is_directory(around, error)) refuse("there is a file in its way: " + around.string());
+  const fs::path probe = around / (".aligngs-probe-" + std::to_string(::getpid()));
+  fs::create_directory(probe, error);
+  if (error)
+    throw_resources(folder, "the folder cannot be created: " + error.message(), remedy_for_write(error.value()));
+  fs::remove(probe, error);
 }
 
 }  // namespace aligngs

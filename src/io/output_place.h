@@ -28,4 +28,8 @@ void require_file_place(const std::filesystem::path& file);
 /// labels. A name without such an ending promises nothing.
 void require_extension(const std::filesystem::path& file, const std::string& format);
 
+/// Before long work: Error{kUsage} where `folder` is no name of a folder, or a file is in its way. Error{kResources}
+/// where it is missing and cannot be made. A folder of another name is made beside it for that, and removed.
+void require_folder_place(const std::filesystem::path& folder);
+
 }  // namespace aligngs

@@ -1,11 +1,13 @@
 #include "io/output_place.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "core/error.h"
+#include "core/testing/error.h"
 #include "io/atomic_file.h"
 
 namespace aligngs {
@@ -134,6 +136,30 @@ TEST_F(OutputPlace, AFileOfAnotherKindIsNeverReplaced) {
   }
   write_file_atomically(base_ / "room", "ply\nformat");
   EXPECT_NO_THROW(require_extension(base_ / "room", "labels.ply")) << "an earlier export";
+}
+
+TEST_F(OutputPlace, AFolderThatCannotBeMadeIsAnError) {
+  EXPECT_THAT(error_of(ErrorKind::kResources, [] { require_folder_place("/proc/aligngs"); }),
+              testing::HasSubstr("/proc/aligngs: the folder cannot be created"));
+}
+
+TEST_F(OutputPlace, StandardOutputIsNoFolder) {
+  EXPECT_THAT(error_of(ErrorKind::kUsage, [] { require_folder_place("-"); }),
+              testing::HasSubstr("no name of a folder"));
+}
+
+TEST_F(OutputPlace, AFileInTheWayOfAFolderIsNamed) {
+  write_file_atomically(base_ / "file", "x");
+  EXPECT_THAT(error_of(ErrorKind::kUsage, [&] { require_folder_place(base_ / "file" / "scene"); }),
+              testing::HasSubstr("there is a file in its way"));
+}
+
+TEST_F(OutputPlace, TheCheckOfAFolderLeavesNothing) {
+  write_file_atomically(base_ / "file", "x");
+  require_folder_place(base_ / "new" / "scene");
+  std::vector<std::string> entries;
+  for (const auto& entry : fs::directory_iterator(base_)) entries.push_back(entry.path().filename().string());
+  EXPECT_THAT(entries, testing::UnorderedElementsAre("file", "capture", "other"));
 }
 
 }  // namespace

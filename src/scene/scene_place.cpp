@@ -97,6 +97,7 @@ void require_scene_place(const fs::path& folder, bool overwrite, const std::vect
   const auto refuse = [&](const char* what, const char* remedy) {
     throw Error({ErrorKind::kUsage, what, folder, "output", remedy});
   };
+  require_folder_place(folder);
   require_outside_of_data(folder);
   if (fs::is_symlink(folder) && !fs::exists(folder))
     refuse("this is a link to nothing", "choose another folder, or remove the link");

@@ -11,6 +11,7 @@
 #include "io/file_system_error.h"
 #include "io/folder_copy.h"
 #include "io/output_place.h"
+#include "io/text_encoding.h"
 #include "scene/data_parts.h"
 #include "train/replaceable_file.h"
 #include "train/run_record.h"
@@ -42,6 +43,7 @@ bool RunFolder::wrote(const fs::path& file) const {
 
 void RunFolder::check(RunMode mode) const {
   std::error_code error;
+  require_folder_place(folder_);
   require_outside_of_data(folder_);
   if (!fs::exists(folder_, error)) return;
   if (!fs::is_directory(folder_, error)) {
@@ -55,8 +57,8 @@ void RunFolder::check(RunMode mode) const {
     const std::string name = entry.path().filename().string();
     // In a run folder people may keep notes of their own.
     if (has_run() || name == kSceneFolder || is_temporary_name(name)) continue;
-    throw Error({ErrorKind::kUsage, "the folder is not empty and holds no run of aligngs", folder_ / name, "-o",
-                 "name a new or empty folder"});
+    throw Error({ErrorKind::kUsage, "the folder is not empty and holds no run of aligngs, but " + as_utf8(name),
+                 folder_, "-o", "name a new or empty folder"});
   }
 }
 
