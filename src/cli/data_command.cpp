@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "scene/view_data.h"
@@ -82,11 +83,13 @@ void add_simulate(CLI::App& data, CommandContext& context) {
                 "Labels are not made."}));
   auto options = std::make_shared<SimulateOptions>();
   command->add_option("scene", options->scene, "scene folder in metres with truth/mesh.ply")->required();
-  command->add_option("-o,--output", options->output, "scene folder to write")->required();
+  command->add_option("-o,--output", options->output, "scene folder to write")->required()->group("Output folder");
   command->add_option("--level", options->level, "size of the simulated errors")
       ->check(CLI::IsMember(teacher_level_names()))
       ->capture_default_str();
-  command->add_option("--seed", options->priors.seed, "seed of all errors")->capture_default_str();
+  command->add_option("--seed", options->priors.seed, "seed of all errors")
+      ->check(seed_number())
+      ->capture_default_str();
   command->add_flag("--overwrite", options->priors.overwrite, "replace a scene that aligngs wrote");
   command->callback([&context, options] { simulate(context, *options); });
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/print_json.h"
 #include "cli/synth_options.h"
 #include "core/log.h"
@@ -101,7 +102,7 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
       ->add_option("--without", *without,
                    "also write the truth of the room without these objects, e.g. \"bed#1\"; repeatable")
       ->group("Room");
-  command->add_option("--seed", options->synth.seed, "the same as --room-seed")->group("Room");
+  command->add_option("--seed", options->synth.seed, "the same as --room-seed")->check(seed_number())->group("Room");
   command->callback([&context, options, output, overwrite, without] {
     require_scene_place(*output, *overwrite);
     const SynthOptions synth = synth_options(*options);

@@ -36,9 +36,11 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
       ->group("Room");
   command.add_option("--size", options->size, "image size WxH (default 320x240)")->group("Room");
   command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, camera path and teachers")
+      ->check(seed_number())
       ->capture_default_str()
       ->group("Room");
   command.add_option("--teacher-seed", synth.teacher_seed, "seed of another simulated teacher for the same room")
+      ->check(seed_number())
       ->group("Simulated priors");
   command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")
       ->check(CLI::IsMember({"exact", "simulated"}))
