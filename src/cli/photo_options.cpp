@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "priors/teacher_list.h"
+#include "priors/video_frames.h"
 
 namespace aligngs {
 
@@ -29,7 +30,10 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
       ->check(CLI::Range(64, 65535))
       ->capture_default_str()
       ->group(group);
-  command.add_option("--views", poses.video_views, "frames to take of a video")
+  command
+      .add_option(
+          "--views", poses.video_views,
+          fmt::format("frames to take of a video; at most {} a second of a longer clip are looked at", kMostVideoRate))
       ->check(CLI::Range(3, 10000))
       ->capture_default_str()
       ->group(group);

@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kCandidatesPerView = 8;  // a hand shakes for a fraction of a step between two photos
-constexpr int kMostRate = 15;          // candidates a second: neighbours at more are the same picture
 constexpr int kFrameSmallWidth = 384;  // pixels of a candidate: enough to tell blur of more than a few pixels
 
 [[noreturn]] void refuse(const fs::path& video, const std::string& message) {
@@ -65,6 +64,21 @@ void run_ffmpeg(const fs::path& video, const std::string& filter, const std::vec
   if (result.status != 0) refuse(video, "ffmpeg cannot read it: " + last_line(result.last_lines));
 }
 
+struct FrameChoiceFilter {
+  bool whole = false;  ///< every frame is looked at
+  std::string begin;   ///< of the filter
+  const char* sync;    ///< of ffmpeg: how frames follow each other in the output
+};
+
+/// Neighbours at a higher rate are the same picture. A clip so short that too few are left is looked at whole.
+FrameChoiceFilter filter_of(const VideoStream& stream, int views) {
+  const double wanted = double(views) * kCandidatesPerView / stream.seconds;
+  const double rate = std::min(wanted, double(kMostVideoRate));
+  if (stream.frames <= views || kMostVideoRate * stream.seconds <= views || rate >= stream.frame_rate)
+    return {true, "", "passthrough"};
+  return {false, fmt::format("fps={:.6f},", rate), "cfr"};
+}
+
 /// Measures of every candidate, in the order of ffmpeg's frames.
 std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int height) {
   std::ifstream in(raw, std::ios::binary);
@@ -90,26 +104,30 @@ VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folde
   require_readable_video(video);
   make_folders(folder);
   const VideoStream stream = stream_of(video, folder);
-  const double wanted = double(options.views) * kCandidatesPerView / stream.seconds;
-  const std::string rate = fmt::format("fps={:.6f}", std::min({wanted, stream.frame_rate, double(kMostRate)}));
+  const FrameChoiceFilter filter = filter_of(stream, options.views);
   const int width = std::min(stream.width, kFrameSmallWidth),
             height = std::max(3, int(double(stream.height) * width / stream.width + 0.5));
   const fs::path raw = folder / "candidates.raw", log = folder / "ffmpeg.log";
-  run_ffmpeg(video, fmt::format("{},scale={}:{}:flags=area,format=gray", rate, width, height),
-             {"-f", "rawvideo", raw.string()}, log, stream.seconds, "look at the video", options.progress);
+  run_ffmpeg(video, fmt::format("{}scale={}:{}:flags=area,format=gray", filter.begin, width, height),
+             {"-vsync", filter.sync, "-f", "rawvideo", raw.string()}, log, stream.seconds, "look at the video",
+             options.progress);
   const std::vector<FrameFeatures> features = features_of(raw, width, height);
   fs::remove(raw);
   const std::vector<size_t> chosen = choose_frames(features, size_t(options.views));
-  if (chosen.size() < 2) refuse(video, fmt::format("it has {} frames", features.size()));
+  if (chosen.size() < 2)
+    refuse(video,
+           fmt::format("it has {} frame{}, and two are needed", features.size(), features.size() == 1 ? "" : "s"));
 
   // The same filter gives the same candidates, so that their numbers name frames of full size.
-  std::string select = rate + ",select='";
+  std::string select = filter.begin + "select='";
   for (size_t i = 0; i < chosen.size(); ++i) select += fmt::format("{}eq(n\\,{})", i ? "+" : "", chosen[i]);
   constexpr const char* kBestQuality = "2";  // of ffmpeg's scale for JPEG, 1 to 31
   run_ffmpeg(video, select + "'",
-             {"-vsync", "vfr", "-q:v", kBestQuality, "-pix_fmt", "yuvj420p", (folder / "frame_%05d.jpg").string()}, log,
-             stream.seconds, "take frames", options.progress);
-  VideoFramesReport report{chosen.size(), features.size(), stream.seconds, 1};
+             {"-vsync", filter.whole ? filter.sync : "vfr", "-q:v", kBestQuality, "-pix_fmt", "yuvj420p",
+              (folder / "frame_%05d.jpg").string()},
+             log, stream.seconds, "take frames", options.progress);
+  const auto counted = size_t(std::lround(stream.frames));
+  VideoFramesReport report{chosen.size(), features.size(), filter.whole ? features.size() : counted, stream.seconds, 1};
   const auto [darkest, brightest] = std::minmax_element(chosen.begin(), chosen.end(), [&](size_t a, size_t b) {
     return features[a].brightness < features[b].brightness;
   });

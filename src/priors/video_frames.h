@@ -15,6 +15,7 @@ struct VideoFramesOptions {
 struct VideoFramesReport {
   size_t frames = 0;     ///< taken
   size_t looked_at = 0;  ///< candidates, spread evenly over the video
+  size_t in_video = 0;   ///< all frames
   double seconds = 0;    ///< length of the video
   /// brightest over darkest of the frames taken, by mean grey value: an automatic exposure changes it
   double exposure_walk = 1;
@@ -22,6 +23,9 @@ struct VideoFramesReport {
 
 /// Error{kBadInput} without such a file, Error{kFailed} where ffmpeg or ffprobe is not in PATH. The file is not read.
 void require_readable_video(const std::filesystem::path& video);
+
+/// At most kMostVideoRate frames a second are looked at, and all of a clip that has few.
+inline constexpr int kMostVideoRate = 15;
 
 /// Writes the frames as frame_00001.jpg, ... into `folder`, turned as the video is shown. Error{kFailed}: ffmpeg is not
 /// installed. Error{kBadInput}: no video can be read, or it has fewer than two frames.

@@ -1,5 +1,6 @@
 #include "priors/video_frames.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -24,6 +25,19 @@ class VideoFrames : public testing::Test {
              ("video_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
+  }
+  /// So many frames, 30 a second.
+  fs::path short_video(int frames) const {
+    const fs::path file = folder / "short.mp4";
+    EXPECT_EQ(run_child({"ffmpeg", "-nostdin", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=160x120:rate=30",
+                         "-frames:v", std::to_string(frames), "-c:v", "mpeg4", "-q:v", "3", file.string()},
+                        folder / "make.log")
+                  .status,
+              0);
+    return file;
+  }
+  VideoFramesReport take(const fs::path& file, int views) const {
+    return take_video_frames(file, folder / "frames", {.views = views, .progress = {.enabled = false}});
   }
   /// Three seconds of a moving test picture of 160 x 120, 10 frames a second.
   fs::path video(const std::vector<std::string>& options = {}) const {
@@ -103,6 +117,24 @@ TEST(VideoName, IsToldByItsExtension) {
   EXPECT_TRUE(is_video_name("a/IMG_1.MOV"));
   EXPECT_FALSE(is_video_name("a/IMG_1.jpg"));
   EXPECT_FALSE(is_video_name("mp4"));
+}
+
+TEST_F(VideoFrames, AClipWithFewerFramesThanWantedGivesAll) {
+  for (const int frames : {2, 3, 7}) {
+    fs::remove_all(folder / "frames");
+    EXPECT_EQ(take(short_video(frames), 40).frames, size_t(frames));
+    EXPECT_TRUE(fs::exists(folder / "frames" / fmt::format("frame_{:05d}.jpg", frames)));
+  }
+}
+
+TEST_F(VideoFrames, FramesOfTheVideoAreCountedBeforeTheyAreThinned) {
+  const VideoFramesReport report = take(short_video(90), 4);
+  EXPECT_EQ(report.in_video, 90u);
+  EXPECT_NEAR(double(report.looked_at), 32, 1);
+}
+
+TEST_F(VideoFrames, ASingleFrameIsCountedInTheError) {
+  EXPECT_THAT(error_of(short_video(1)), testing::HasSubstr("it has 1 frame, and two are needed"));
 }
 
 }  // namespace

@@ -63,11 +63,13 @@ VideoStream parse_video_probe(const std::string& text, const std::filesystem::pa
     return pixels >= 3 && pixels <= kLongestSide ? static_cast<int>(pixels) : 0;
   };
   VideoStream out{side("width"), side("height"), number_of(member(stream, "duration")),
-                  ratio_of(member(stream, "avg_frame_rate"))};
+                  ratio_of(member(stream, "avg_frame_rate")), number_of(member(stream, "nb_frames"))};
   if (is_turned(stream)) std::swap(out.width, out.height);
   if (!(out.seconds > 0)) out.seconds = number_of(member(member(document, "format"), "duration"));
   const bool known = out.width > 0 && out.height > 0 && out.seconds > 0 && std::isfinite(out.seconds) &&
                      out.frame_rate > 0 && std::isfinite(out.frame_rate);
+  if (known && !(out.frames >= 1 && std::isfinite(out.frames)))
+    out.frames = std::max(1.0, out.seconds * out.frame_rate);
   if (!known) refuse("its size, length or frame rate is missing");
   return out;
 }

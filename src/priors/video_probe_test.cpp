@@ -57,5 +57,15 @@ TEST(VideoProbe, EveryCutIsRefused) {
   for (size_t keep = 0; keep < text.size(); ++keep) EXPECT_TRUE(refused(text.substr(0, keep))) << keep;
 }
 
+TEST(VideoProbe, TheFileCountsItsFrames) {
+  EXPECT_EQ(
+      parse_video_probe(with(R"("duration": "12.5")", R"("duration": "12.5", "nb_frames": "374")"), "film.mp4").frames,
+      374);
+}
+
+TEST(VideoProbe, AFileThatCountsNoFramesHasThemByLengthAndRate) {
+  EXPECT_NEAR(parse_video_probe(kUpright, "film.mp4").frames, 374.6, 0.1);
+}
+
 }  // namespace
 }  // namespace aligngs
