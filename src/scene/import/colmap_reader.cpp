@@ -1,10 +1,16 @@
 // A COLMAP reconstruction and its photos. The model (bin or txt) is in sparse/[N/], colmap/sparse/[N/] or the folder
 // itself. Photos are in images/, in the folder or in a subfolder of it (photo_lookup.h). Rigs and frames are not
 // needed: images.bin has every pose.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/error.h"
+#include "io/picture_format.h"
+#include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 #include "scene/photo_places.h"
@@ -23,14 +29,47 @@ fs::path data_set_of_several(const fs::path& folder) {
   return around.empty() || may_hold_colmap_model(around) ? fs::path() : around;
 }
 
-}  // namespace
+/// Photos beside those of the model that it has no camera for.
+void note_photos_without_camera(Capture& capture) {
+  std::set<fs::path> folders, known;
+  for (const CapturedFrame& frame : capture.frames) {
+    folders.insert(frame.image.parent_path());
+    known.insert(frame.image);
+  }
+  std::set<std::string> named;
+  for (const LeftOut& frame : capture.left_out) named.insert(view_name_of(frame.name));
+  std::vector<std::string> without;
+  for (const fs::path& folder : folders) {
+    for (const fs::path& photo : list_files(folder, picture_extensions())) {
+      const std::string name = photo.filename().string();
+      if (!known.count(photo) && !named.count(view_name_of(name)) && !is_hidden(photo))
+        without.push_back(as_utf8(name));
+    }
+  }
+  if (without.empty()) return;
+  constexpr size_t kShown = 5;
+  const size_t shown = std::min(kShown, without.size());
+  capture.notes.push_back(
+      fmt::format("{} without a camera in the model: {}{}",
+                  without.size() == 1 ? "1 photo is" : fmt::format("{} photos are", without.size()),
+                  fmt::join(without.begin(), without.begin() + shown, ", "),
+                  without.size() > shown ? fmt::format(" and {} more", without.size() - shown) : ""));
+}
 
-Capture read_colmap_capture(const fs::path& folder, const CaptureOptions&) {
+Capture read_with_photos(const fs::path& folder) {
   Capture capture = read_colmap_capture(folder, photos_of_data_set(folder));
   const fs::path around = capture.frames.empty() ? data_set_of_several(folder) : fs::path();
   if (around.empty()) return capture;
   capture = read_colmap_capture(folder, PhotoLookup(images_folder(around), around));
   capture.notes.push_back("the photos are those of " + around.string());
+  return capture;
+}
+
+}  // namespace
+
+Capture read_colmap_capture(const fs::path& folder, const CaptureOptions&) {
+  Capture capture = read_with_photos(folder);
+  note_photos_without_camera(capture);
   return capture;
 }
 
