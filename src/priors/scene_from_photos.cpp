@@ -19,6 +19,7 @@
 #include "scene/import/import_capture.h"
 #include "scene/photo_lookup.h"
 #include "scene/scene_place.h"
+#include "scene/unused_masks.h"
 
 namespace aligngs {
 
@@ -63,7 +64,7 @@ CapturedCloud captured(const PointCloud& cloud) {
 }
 
 /// Undistorts and writes photos with cameras.
-void import_photos(const Capture& capture, const fs::path& source, const fs::path& scene,
+void import_photos(const Capture& capture, const fs::path& source, const fs::path& photos, const fs::path& scene,
                    const ScenePhotosOptions& options, bool depth_prior, ThreadPool& pool, ScenePhotosReport& report) {
   for (const std::string& note : capture.notes) log_info("{}", note);
   ImportOptions import;
@@ -71,14 +72,16 @@ void import_photos(const Capture& capture, const fs::path& source, const fs::pat
   import.strict = options.strict;
   import.depth_prior = depth_prior;
   import.overwrite = options.overwrite;
+  import.photos = photos;
   import.sources = {source, options.cameras};
   import.progress = options.progress;
-  import.test_views = 0;
-  if (options.test_every > 0 || (capture.train.empty() && capture.test.empty())) {
+  const bool own_split = options.test_every <= 0 && !(capture.train.empty() && capture.test.empty());
+  if (!own_split) {
     for (size_t i = 0; i < capture.frames.size(); ++i) {
       (is_test_photo(i, options.test_every) ? import.test_names : import.train_names).push_back(capture.frames[i].name);
     }
   }
+  if (import.test_names.empty() && (!own_split || capture.test.empty())) import.test_views = 0;
   const ImportReport imported = import_capture(capture, scene, import, pool);
   for (const LeftOut& frame : imported.left_out) {
     const bool known = std::any_of(report.unplaced.begin(), report.unplaced.end(),
@@ -142,7 +145,7 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& prepared,
   capture.layout = "photos, cameras by COLMAP";
   capture.cloud = captured(reliable_points(poses.model));
   finish_capture(capture);
-  import_photos(capture, source, scene, options, false, pool, report);
+  import_photos(capture, source, work.path() / "images", scene, options, false, pool, report);
 }
 
 void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const PhotoList& listed,
@@ -159,7 +162,7 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const
   require_enough_placed(source, poses.photos, poses.unplaced, options.strict,
                         "give the photos that the cameras were found for, or another --method");
   poses.capture.layout = "photos, cameras given (" + poses.capture.layout + ")";
-  import_photos(poses.capture, source, scene, options, true, pool, report);
+  import_photos(poses.capture, source, listed.folder, scene, options, true, pool, report);
   if (report.points == 0) {
     log_warning(
         "there are no points: training starts from random ones; a COLMAP model with points3D, or ply_file_path in "
@@ -170,8 +173,11 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const
 /// Frames of a video as a folder of photos.
 void take_frames(const fs::path& video, const fs::path& folder, const ScenePhotosOptions& options) {
   const VideoFramesReport taken = take_video_frames(video, folder, {options.video_views, options.progress});
-  log_info("{}: {} of {} frames taken, {} long", video.string(), taken.frames, taken.looked_at,
-           format_duration(taken.seconds));
+  log_info("{}: {} of {} frames taken, {} long{}", video.string(), taken.frames, taken.in_video,
+           format_duration(taken.seconds),
+           taken.looked_at < taken.in_video
+               ? fmt::format("; {} were looked at, at most {} a second", taken.looked_at, kMostVideoRate)
+               : "");
   constexpr double kWalk = 1.3;  // brightness of frames with one exposure differs by less, by what they show
   if (taken.exposure_walk > kWalk) {
     log_info(
@@ -240,6 +246,10 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
     scene_by_given_poses(source, checked.cameras, listed, scene, options, pool, report);
   } else {
     if (!work) work.emplace(scene);
+    std::vector<fs::path> files;
+    for (const Photo& photo : listed.photos) files.push_back(photo.file);
+    for (const SceneProblem& problem : unused_masks(listed.folder, files))
+      log_warning("{}", text_of_unused_masks(problem));
     const std::vector<Photo> photos =
         prepare_photos(listed.photos, work->path() / "images", options.max_side, pool, report.unplaced);
     constexpr size_t kFewest = 2;  // one photo has no parallax

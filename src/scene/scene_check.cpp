@@ -19,6 +19,7 @@
 #include "scene/mesh_ply.h"
 #include "scene/prior_maps.h"
 #include "scene/segment_file.h"
+#include "scene/unused_masks.h"
 
 namespace aligngs {
 namespace {
@@ -282,6 +283,9 @@ std::vector<SceneProblem> check_scene(const Scene& scene) {
           {scene.truth_mesh, error.details().field, error.details().message, error.details().remedy, true});
     }
   }
+  std::vector<fs::path> photos;
+  for (const View& view : scene.views) photos.push_back(view.image);
+  for (SceneProblem& problem : unused_masks(scene.folder, photos)) problems.push_back(std::move(problem));
   compare_images(scene, used, findings, problems);
   check_semantic_kind(scene, findings, problems);
   const bool depth_is_told = std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.other_depth; });

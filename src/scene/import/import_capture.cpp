@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "io/image_file.h"
 #include "io/output_place.h"
 #include "scene/import/capture_frames.h"
@@ -14,6 +15,7 @@
 #include "scene/mesh_ply.h"
 #include "scene/scene_check.h"
 #include "scene/scene_writer.h"
+#include "scene/unused_masks.h"
 #include "scene/up_direction.h"
 
 namespace aligngs {
@@ -73,6 +75,18 @@ void set_truth_mesh(const Capture& capture, SceneParts& parts) {
   for (Vec3f& vertex : parts.truth_mesh.vertices) vertex = (from_original * vertex.cast<double>()).cast<float>();
 }
 
+/// Masks of the capture that hide nothing. The scene has its masks in the alpha of its photos.
+void warn_of_unused_masks(const Capture& capture, const ImportOptions& options) {
+  std::vector<fs::path> photos, named;
+  for (const CapturedFrame& frame : capture.frames) {
+    photos.push_back(frame.image);
+    if (!frame.mask.empty()) named.push_back(frame.mask);
+  }
+  const fs::path& folder = options.photos.empty() ? capture.folder : options.photos;
+  for (const SceneProblem& problem : unused_masks(folder, photos, named))
+    log_warning("{}", text_of_unused_masks(problem));
+}
+
 /// One of each kind first, and cameras before all: few lines are shown, and a wrong camera spoils everything.
 void order_by_kind(std::vector<SceneProblem>& problems) {
   std::map<std::string, size_t> seen;
@@ -111,6 +125,7 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
   require_scene_place(output, options.overwrite, sources);  // before views are chosen, which takes long
   const CaptureSplit selection = split_capture(capture, options, pool);
   SceneWriter writer(output, options.overwrite, sources);
+  warn_of_unused_masks(capture, options);
   ImportReport report;
   report.left_out = capture.left_out;
   const bool use_sfm = !options.sfm.empty();

@@ -17,17 +17,19 @@ struct ImportOptions {
   int views = 0;                         ///< so many well-spread sharp views
   int stride = 0;                        ///< every n-th frame
   std::vector<std::string> train_names;  ///< exactly these
-  std::vector<std::string> test_names;   ///< exactly these
-  int test_views = -1;                   ///< otherwise so many of the rest; -1: a third of the training views
+  std::vector<std::string> test_names;   ///< exactly these; they do not train unless train_names has them
+  /// so many instead, of frames that do not train, or held out where all would; -1: a third of the training views
+  int test_views = -1;
 
   bool depth_prior = true;  ///< sensor depth of training views also becomes pred_depths/
   /// COLMAP model for the cloud, aligned on its cameras; then no sensor depth is used
   std::filesystem::path sfm;
-  bool neuris_crop = false;  ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
-  double voxel = 0;          ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
-  int max_side = 0;          ///< pixels; larger photos are shrunk; 0: none is
-  bool strict = false;       ///< a frame that cannot be used is an error instead of being left out
-  bool overwrite = false;    ///< replace a scene that this program wrote there
+  bool neuris_crop = false;        ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
+  double voxel = 0;                ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
+  int max_side = 0;                ///< pixels; larger photos are shrunk; 0: none is
+  bool strict = false;             ///< a frame that cannot be used is an error instead of being left out
+  bool overwrite = false;          ///< replace a scene that this program wrote there
+  std::filesystem::path photos{};  ///< folder of the photos where it is not that of the capture
   std::vector<std::filesystem::path> sources;  ///< what was given to read; empty: the capture's folder
   ProgressStyle progress;
 };

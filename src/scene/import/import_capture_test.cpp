@@ -263,6 +263,38 @@ TEST_F(ImportCaptureTest, ARefusalNamesTheSourceAndNoFolderThatIsGone) {
   }
 }
 
+TEST_F(ImportCaptureTest, PhotosWithoutACameraAreNamed) {
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg", "d.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg"});
+  EXPECT_THAT(read_capture(source).notes, Contains("2 photos are without a camera in the model: c.jpg, d.jpg"));
+}
+
+TEST_F(ImportCaptureTest, AModelWithAllPhotosHasNoSuchNote) {
+  for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg"});
+  EXPECT_THAT(read_capture(source).notes, testing::IsEmpty());
+}
+
+TEST_F(ImportCaptureTest, MasksThatFitNoPhotoAreCounted) {
+  for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg"});
+  write_png(source / "masks" / "IMG_1.png", Image<uint8_t>(kWidth, kHeight, 1, 255));
+  set_log_level(LogLevel::kWarning);
+  testing::internal::CaptureStderr();
+  import();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("a mask in masks/ fits no photo: IMG_1.png"));
+}
+
+TEST_F(ImportCaptureTest, AMaskOfThePhotoBecomesItsAlpha) {
+  for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg"});
+  Image<uint8_t> mask(kWidth, kHeight, 1, 255);
+  mask.at(3, 3) = 0;
+  write_png(source / "masks" / "a.png", mask);
+  import();
+  EXPECT_EQ(read_image(scene().views[0].image).at(3, 3, 3), 0);
+}
+
 TEST_F(ImportCaptureTest, UpIsRecordedWithItsSource) {
   for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
   model({"a.jpg", "b.jpg"});
