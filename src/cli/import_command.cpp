@@ -106,10 +106,15 @@ void add_import_command(CLI::App& program, CommandContext& context) {
       ->check(positive_number())
       ->group("Frames");
   command->add_option("--train", options->train_file, "file with the names of the training frames")->group("Frames");
-  command->add_option("--test", options->test_file, "file with the names of the test frames")->group("Frames");
   command
-      ->add_option("--test-views", options->import.test_views,
-                   "number of test views from the other frames (default: a third of the training views)")
+      ->add_option("--test", options->test_file,
+                   "file with the names of the test frames; without --train the others train")
+      ->group("Frames");
+  command
+      ->add_option(
+          "--test-views", options->import.test_views,
+          "number of test views from the other frames, held out where all would train (default: a third of the "
+          "training views)")
       ->check(number_from_zero())
       ->group("Frames");
   command->add_option("--intrinsics", options->intrinsics, "TUM, 7-Scenes: file with the 3x3 camera matrix")

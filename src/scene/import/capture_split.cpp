@@ -13,6 +13,7 @@
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/view_selection.h"
+#include "scene/scene.h"
 
 namespace aligngs {
 
@@ -48,54 +49,103 @@ std::vector<int> indices_of(const Capture& capture, const std::vector<std::strin
   return indices;
 }
 
+std::vector<int> without(std::vector<int> frames, const std::vector<int>& taken) {
+  std::erase_if(frames, [&](int i) { return std::find(taken.begin(), taken.end(), i) != taken.end(); });
+  return frames;
+}
+
+std::vector<int> all_frames(const Capture& capture) {
+  std::vector<int> frames(capture.frames.size());
+  std::iota(frames.begin(), frames.end(), 0);
+  return frames;
+}
+
+/// Training views by coverage, none of them in `reserved`.
+std::vector<int> chosen_views(const Capture& capture, int count, const std::vector<int>& reserved, ThreadPool& pool) {
+  ViewSelectionOptions options;
+  options.count = count;
+  if (reserved.empty()) return select_views(capture, options, pool);
+  const std::vector<int> free = without(all_frames(capture), reserved);
+  Capture others = capture;
+  others.frames.clear();
+  for (const int i : free) others.frames.push_back(capture.frames[static_cast<size_t>(i)]);
+  std::vector<int> chosen = select_views(others, options, pool);
+  for (int& i : chosen) i = free[static_cast<size_t>(i)];
+  return chosen;
+}
+
+/// `count` of a list, spread evenly over it.
+std::vector<int> thinned(const std::vector<int>& frames, int count) {
+  const size_t wanted = std::min(frames.size(), static_cast<size_t>(count));
+  std::vector<int> kept;
+  for (size_t k = 0; k < wanted; ++k) kept.push_back(frames[(2 * k + 1) * frames.size() / (2 * wanted)]);
+  return kept;
+}
+
+/// Frames that are asked for by number, where all frames would train.
+std::vector<int> held_out(const Capture& capture, int count, ThreadPool& pool) {
+  const int most = static_cast<int>(capture.frames.size()) - static_cast<int>(kFewestTrainingViews);
+  if (count > most)
+    throw_usage(fmt::format("--test-views {} leaves fewer than {} of {} frames for training", count,
+                            kFewestTrainingViews, capture.frames.size()),
+                fmt::format("use --test-views {} or fewer", std::max(0, most)));
+  return select_test_views(capture, {}, count, pool);
+}
+
+/// The frames that are named for both. They train.
+void keep_apart(const Capture& capture, CaptureSplit& split) {
+  std::vector<std::string> both;
+  std::erase_if(split.test, [&](int i) {
+    const bool trains = std::find(split.train.begin(), split.train.end(), i) != split.train.end();
+    if (trains) both.push_back(capture.frames[static_cast<size_t>(i)].name);
+    return trains;
+  });
+  if (!both.empty()) log_warning("{} frames are in both lists and train: {}", both.size(), fmt::join(both, ", "));
+}
+
 }  // namespace
 
 CaptureSplit split_capture(const Capture& capture, const ImportOptions& options, ThreadPool& pool) {
   const int given = (options.views > 0) + (options.stride > 0) + !options.train_names.empty();
   if (given > 1) throw_usage("give only one of --views, --stride and --train");
-  CaptureSplit selection;
-  const bool own_split = given == 0 && !capture.train.empty();
+  const bool names_test = !options.test_names.empty(), counts_test = options.test_views >= 0;
+  if (names_test && counts_test) throw_usage("give only one of --test and --test-views");
+  CaptureSplit split;
+  if (names_test) split.test = indices_of(capture, options.test_names, "--test", false);
+  const bool own_train = given == 0 && !capture.train.empty();
+  const bool own_test = given == 0 && !names_test && !capture.test.empty();
+  if (own_test) split.test = indices_of(capture, capture.test, "the test list of the capture", true);
+  const bool many = capture.frames.size() > kMaxUnselected;
+  if (!names_test && !own_test && given == 0 && !own_train && !many && options.test_views > 0)
+    split.test = held_out(capture, options.test_views, pool);
+
   if (options.views > 0) {
-    ViewSelectionOptions view_options;
-    view_options.count = options.views;
-    selection.train = select_views(capture, view_options, pool);
+    split.train = chosen_views(capture, options.views, split.test, pool);
   } else if (options.stride > 0) {
-    selection.train = select_stride(capture, options.stride);
+    split.train = without(select_stride(capture, options.stride), split.test);
   } else if (!options.train_names.empty()) {
-    selection.train = indices_of(capture, options.train_names, "--train", false);
-  } else if (own_split) {
-    selection.train = indices_of(capture, capture.train, "the training list of the capture", true);
-  } else if (capture.frames.size() > kMaxUnselected) {
+    split.train = indices_of(capture, options.train_names, "--train", false);
+  } else if (own_train) {
+    split.train = indices_of(capture, capture.train, "the training list of the capture", true);
+    if (names_test) split.train = without(split.train, split.test);
+  } else if (many) {
     log_info("choosing {} of {} frames (--views, --stride or --train change that)", kDefaultViews,
              capture.frames.size());
-    ViewSelectionOptions view_options;
-    view_options.count = kDefaultViews;
-    selection.train = select_views(capture, view_options, pool);
+    split.train = chosen_views(capture, kDefaultViews, split.test, pool);
   } else {
-    selection.train.resize(capture.frames.size());
-    std::iota(selection.train.begin(), selection.train.end(), 0);
-    if (!capture.test.empty()) {  // only test names came with the capture: the others train
-      const std::vector<int> test = indices_of(capture, capture.test, "the test list of the capture", true);
-      std::erase_if(selection.train, [&](int i) { return std::find(test.begin(), test.end(), i) != test.end(); });
-    }
+    split.train = without(all_frames(capture), split.test);
   }
-  if (!options.test_names.empty()) {
-    selection.test = indices_of(capture, options.test_names, "--test", false);
-  } else if (given == 0 && !capture.test.empty()) {
-    selection.test = indices_of(capture, capture.test, "the test list of the capture", true);
-  } else {
-    const int wanted = options.test_views >= 0 ? options.test_views : static_cast<int>(selection.train.size()) / 3;
-    selection.test = select_test_views(capture, selection.train, wanted, pool);
+
+  if (own_test && counts_test) split.test = thinned(split.test, options.test_views);
+  if (!names_test && !own_test && split.test.empty()) {
+    const int wanted = counts_test ? options.test_views : static_cast<int>(split.train.size()) / 3;
+    split.test = select_test_views(capture, split.train, wanted, pool);
   }
-  std::vector<std::string> both;
-  std::erase_if(selection.test, [&](int i) {
-    const bool trains = std::find(selection.train.begin(), selection.train.end(), i) != selection.train.end();
-    if (trains) both.push_back(capture.frames[static_cast<size_t>(i)].name);
-    return trains;
-  });
-  if (!both.empty()) log_warning("{} frames are in both lists and train: {}", both.size(), fmt::join(both, ", "));
-  if (selection.train.empty()) throw_bad_input(capture.folder, "train", "no training view is left", "give other names");
-  return selection;
+  keep_apart(capture, split);
+  const int found = static_cast<int>(split.test.size());
+  if (found < options.test_views) log_warning("{} of {} test views: no other frame is left", found, options.test_views);
+  if (split.train.empty()) throw_bad_input(capture.folder, "train", "no training view is left", "give other names");
+  return split;
 }
 
 }  // namespace aligngs

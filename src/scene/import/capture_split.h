@@ -15,7 +15,8 @@ struct CaptureSplit {
 };
 
 /// As the options ask, else as the capture has it. Without either, many frames are chosen by coverage, and few frames
-/// all train. Error{kUsage} for options that contradict each other; Error{kBadInput} for a name that no
+/// all train. Frames of test_names never train, unless train_names has them as well. A number of test views alone is
+/// held out of few frames. Error{kUsage} for options that contradict each other; Error{kBadInput} for a name that no
 /// frame has, and when no frame is left to train on.
 CaptureSplit split_capture(const Capture& capture, const ImportOptions& options, ThreadPool& pool);
 

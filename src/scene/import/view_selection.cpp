@@ -246,7 +246,11 @@ std::vector<int> select_test_views(const Capture& capture, const std::vector<int
     const bool adjacent = (i > 0 && is_train[i - 1]) || (i + 1 < n && is_train[i + 1]);
     (adjacent ? near : far).push_back(i);
   }
-  const std::vector<int>& source = static_cast<int>(far.size()) >= count ? far : near.size() > far.size() ? near : far;
+  std::vector<int> all(far);
+  all.insert(all.end(), near.begin(), near.end());
+  std::sort(all.begin(), all.end());
+  const auto are_enough = [count](const std::vector<int>& frames) { return static_cast<int>(frames.size()) >= count; };
+  const std::vector<int>& source = are_enough(far) ? far : are_enough(near) ? near : all;
   std::vector<int> chosen;
   const int wanted = std::min<int>(count, static_cast<int>(source.size()));
   std::vector<double> scores(source.size());
