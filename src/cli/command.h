@@ -61,6 +61,9 @@ void add_doctor_command(CLI::App& program, CommandContext& context);
 void add_completion_command(CLI::App& program, CommandContext& context);
 void add_manual_command(CLI::App& program, CommandContext& context);
 
+/// Global options and all subcommands, in the order of the help.
+void add_all_commands(CLI::App& program, CommandContext& context);
+
 /// The word of `candidates` nearest to `word` by edit distance, or empty when none is near (more than a third
 /// of the letters differ).
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);

@@ -138,6 +138,19 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
   return best;
 }
 
+void add_all_commands(CLI::App& program, CommandContext& context) {
+  add_global_options(program, context.global);
+  for (const AddCommand add :
+       {&add_run_command,    &add_demo_command,   &add_batch_command,   &add_import_command, &add_synth_command,
+        &add_refine_command, &add_data_command,   &add_models_command,  &add_poses_command,  &add_priors_command,
+        &add_train_command,  &add_render_command, &add_mesh_command,    &add_room_command,   &add_scale_command,
+        &add_eval_command,   &add_report_command, &add_compare_command, &add_edit_command,   &add_export_command,
+        &add_view_command,   &add_info_command,   &add_bench_command,   &add_doctor_command, &add_completion_command,
+        &add_manual_command}) {
+    add(program, context);
+  }
+}
+
 int run_program(int argc, char** argv) {
   reserve_standard_streams();
   if (argc <= 1) {
@@ -156,22 +169,13 @@ int run_program(int argc, char** argv) {
   program.require_subcommand(1);
   program.fallthrough();
   program.get_formatter()->column_width(36);
-  add_global_options(program, context.global);
   // Options are parsed completely before any command runs, so that --json after the command counts.
   program.parse_complete_callback([&context, &program] {
     require_given_values(program);
     if (context.global.quiet) set_log_level(LogLevel::kWarning);
     if (context.global.verbose > 0) set_log_level(LogLevel::kDebug);
   });
-  for (const AddCommand add :
-       {&add_run_command,    &add_demo_command,   &add_batch_command,   &add_import_command, &add_synth_command,
-        &add_refine_command, &add_data_command,   &add_models_command,  &add_poses_command,  &add_priors_command,
-        &add_train_command,  &add_render_command, &add_mesh_command,    &add_room_command,   &add_scale_command,
-        &add_eval_command,   &add_report_command, &add_compare_command, &add_edit_command,   &add_export_command,
-        &add_view_command,   &add_info_command,   &add_bench_command,   &add_doctor_command, &add_completion_command,
-        &add_manual_command}) {
-    add(program, context);
-  }
+  add_all_commands(program, context);
 
   try {
     program.parse(argc, argv);

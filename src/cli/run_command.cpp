@@ -102,7 +102,7 @@ void add_run_command(CLI::App& program, CommandContext& context) {
            "RUN: splats, mesh, renders, metrics.json, report.html; also RUN/scene, if the run makes a scene of its own",
        .example = "aligngs run photos -o run --method colmap --semantics none",
        .advanced =
-           "aligngs run scene -o run --preset preview --set train.max_gaussians=100000 --fail-under psnr=18 --view",
+           "aligngs run scene -o run --preset preview --set densify.max_gaussians=100000 --fail-under psnr=18 --view",
        .notes = "Does everything from photos to the report. Missing poses and priors are made first.\n"
                 "The source is never changed. --resume continues after an interruption."}));
   auto train = std::make_shared<TrainCommandOptions>();

@@ -112,10 +112,12 @@ const ConfigKey* find_config_key(std::string_view name) {
 
 std::vector<std::string> suggest_config_keys(std::string_view name) {
   std::vector<std::pair<size_t, std::string>> near;
+  const auto last_part = [](std::string_view text) { return text.substr(text.find('.') + 1); };
   for (const ConfigKey& key : config_keys()) {
-    // The group is often left out: "iterations" should find "train.iterations".
-    const std::string_view last = key.name.substr(key.name.find('.') + 1);
-    const size_t distance = std::min(edit_distance(name, key.name), edit_distance(name, last));
+    // The group is often left out or another one: "iterations" and "loss.iterations" should find "train.iterations".
+    const std::string_view last = last_part(key.name);
+    const size_t distance =
+        last == last_part(name) ? 0 : std::min(edit_distance(name, key.name), edit_distance(name, last));
     if (distance <= std::max<size_t>(2, name.size() / 4)) near.emplace_back(distance, key.name);
   }
   std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -256,5 +256,10 @@ TEST(ConfigFile, AblationRowsAreSettings) {
   }
 }
 
+TEST(ConfigKeys, AKeyOfAnotherGroupSuggestsAllOfItsName) {
+  EXPECT_THAT(suggest_config_keys("train.max_gaussians"),
+              ::testing::IsSupersetOf({"init.max_gaussians", "densify.max_gaussians"}));
+}
+
 }  // namespace
 }  // namespace aligngs
