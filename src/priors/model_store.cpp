@@ -1,11 +1,15 @@
 #include "priors/model_store.h"
 
 #include <fmt/format.h>
+#include <pwd.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <fstream>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -13,6 +17,7 @@
 #include "core/progress.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
+#include "io/file_system_error.h"
 #include "io/json_text.h"
 #include "scene/sha256.h"
 
@@ -37,8 +42,20 @@ bool is_set(const char* name) {
 fs::path cache_folder() {
   const fs::path cache = folder_variable("XDG_CACHE_HOME");
   if (!cache.empty()) return cache;
-  const fs::path home = folder_variable("HOME");
-  return home.empty() ? fs::path(".cache") : home / ".cache";
+  fs::path home = folder_variable("HOME");
+  if (home.empty()) {  // as a shell does where the variable is unset
+    const passwd* user = getpwuid(getuid());
+    home = user && user->pw_dir ? user->pw_dir : "";
+  }
+  static std::once_flag told;
+  if (!home.is_absolute()) {
+    std::call_once(told, [] {
+      log_warning(
+          "HOME is not set, and the system knows no home folder of this user: weights are looked for in .cache/ of the "
+          "current folder; ALIGNGS_MODELS names another one");
+    });
+  }
+  return home.is_absolute() ? home / ".cache" : fs::path(".cache");
 }
 
 bool is_file(const fs::path& path) {
@@ -189,8 +206,9 @@ std::string how_to_get(const ModelStore& store, const PublishedModel& model) {
 }
 
 std::string sha256_of_file(const fs::path& path) {
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw_bad_input(path, "", "cannot open", "check the path and its permissions");
+  if (!file) throw_bad_input(path, "", cannot_open(errno), "check the path and its permissions");
   Sha256 sha;
   std::vector<char> buffer(size_t(1) << 20);
   while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0) {

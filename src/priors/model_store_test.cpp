@@ -287,5 +287,14 @@ TEST_F(ModelsFromAServer, AModelLargerThanTheDiskIsRefusedBeforeAnyByte) {
   EXPECT_TRUE(server.requests().empty());
 }
 
+TEST_F(Models, WithoutHomeTheFolderIsThatOfTheUser) {
+  const char* home = std::getenv("HOME");
+  const std::string before = home ? home : "";
+  unsetenv("HOME");
+  const ModelStoreOptions options = ModelStoreOptions::from_environment(true);
+  if (home) setenv("HOME", before.c_str(), 1);
+  EXPECT_TRUE(options.torch.at(0).is_absolute()) << options.torch.at(0);
+}
+
 }  // namespace
 }  // namespace aligngs
