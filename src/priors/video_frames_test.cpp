@@ -28,7 +28,7 @@ class VideoFrames : public testing::Test {
   }
   /// So many frames, 30 a second.
   fs::path short_video(int frames) const {
-    const fs::path file = folder / "short.mp4";
+    const fs::path file = folder / ("short" + std::to_string(frames) + ".mp4");
     EXPECT_EQ(run_child({"ffmpeg", "-nostdin", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=160x120:rate=30",
                          "-frames:v", std::to_string(frames), "-c:v", "mpeg4", "-q:v", "3", file.string()},
                         folder / "make.log")
