@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "edit/taken_objects.h"
 #include "gaussians/point_tree.h"
 #include "scene/triangle_mesh.h"
 
@@ -34,10 +35,12 @@ std::vector<Instance> parts_of(const LabelledGaussians& room, const std::vector<
     return Vec3f{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
   };
   const std::vector<uint8_t> growing = classes_of(labels, kGrowing), holding = classes_of(labels, kHolding);
+  // A selection of other things may have a few leaves, as a wall behind a plant. They are no selected plant.
+  const TakenObjects whole(room.labels, selected);
   std::vector<Vec3f> places;
   for (uint32_t i = 0; i < selected.size(); ++i) {
-    if (selected[i] && room.labels.label[i] < growing.size() && growing[room.labels.label[i]])
-      places.push_back(row_of(i));
+    const uint16_t label = room.labels.label[i];
+    if (selected[i] && label < growing.size() && growing[label] && whole.holds_row(i)) places.push_back(row_of(i));
   }
   if (places.empty()) return parts;
   const PointTree tree(std::move(places));

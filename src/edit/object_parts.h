@@ -17,8 +17,9 @@ struct ObjectPartSettings {
   double most = 0.5;          ///< a thing of which this share is selected needs no rule
 };
 
-/// Pots and vases under the selected plants, flowers and trees and touch them. Whoever takes a plant away
-/// takes its pot along; who takes the pot alone leaves the plant. Without `up` it is not asked which is below. Empty
+/// Pots and vases that are under selected plants, flowers and trees and touch them. Whoever takes a plant away
+/// takes its pot along; who takes the pot alone leaves the plant. A plant of which less than half is selected is no
+/// selected plant. Without `up` it is not asked which is below. Empty
 /// without labels.
 std::vector<Instance> parts_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
                                const LabelSet& labels, const std::optional<Vec3d>& up,

@@ -35,6 +35,16 @@ TEST_F(ObjectParts, ThePotBelongsToThePlant) {
 
 TEST_F(ObjectParts, ThePlantDoesNotBelongToThePot) { EXPECT_TRUE(parts(pot_).empty()); }
 
+TEST_F(ObjectParts, AFewSelectedLeavesAreNoPlant) {
+  std::vector<uint8_t> selected(room_.gaussians.labels.label.size(), 0);
+  size_t leaves = 0;
+  const size_t third = small_room::count_label(room_, static_cast<int>(plant_)) / 3;
+  for (size_t i = 0; i < selected.size(); ++i) {
+    selected[i] = room_.gaussians.labels.label[i] == plant_ && leaves++ < third;
+  }
+  EXPECT_TRUE(parts_of(room_.gaussians, selected, room_.labels, room_.up).empty());
+}
+
 TEST_F(ObjectParts, APotThatIsNotTouchedStays) {
   for (size_t i = 0; i < room_.gaussians.labels.label.size(); ++i) {
     if (room_.gaussians.labels.label[i] == pot_) room_.gaussians.model.positions[3 * i] += 0.5f;
