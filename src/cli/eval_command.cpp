@@ -56,7 +56,6 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   add_device_option(*command, options->device);
   command->callback([&context, options] {
     const std::vector<LeastValue> least = least_values(options->fail_under);
-    LoadedRun run = load_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     EvalStageOptions stage;
     stage.truth_mesh = options->truth;
     stage.mesh = options->mesh;
@@ -66,6 +65,8 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
     stage.views = !options->no_views;
     stage.refine_test_poses = !options->no_pose_fit;
     stage.progress = context.progress();
+    require_named_meshes(stage);
+    LoadedRun run = load_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     const RunMetrics metrics = evaluate_run(run, stage);
     if (context.global.json)
       print_json(metrics_json(metrics));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cli/stages/perceptual_metric.h"
+#include "core/error.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -142,14 +143,24 @@ std::vector<uint8_t> structural_classes(const LabelSet& labels) {
 void measure_mesh(LoadedRun& run, const EvalStageOptions& options, RunMetrics& metrics) {
   const fs::path truth_file = options.truth_mesh.empty() ? run.scene().truth_mesh : options.truth_mesh;
   const fs::path mesh_file = options.mesh.empty() ? run.folder() / "mesh" / "mesh.ply" : options.mesh;
-  if (truth_file.empty() || !fs::exists(truth_file)) return;
+  if (truth_file.empty() || !fs::exists(truth_file)) {
+    if (!options.mesh.empty()) {
+      throw_bad_input(options.mesh, "--mesh", "the scene has no true mesh to measure this mesh against",
+                      "give one with --gt-mesh FILE.ply");
+    }
+    return;
+  }
   if (!fs::exists(mesh_file)) {
     log_warning("{} is missing, so geometry is not measured (run `aligngs mesh` first)", mesh_file.string());
     return;
   }
   const TriangleMesh predicted = read_mesh_ply(mesh_file), truth = read_mesh_ply(truth_file);
-  if (!options.mesh.empty() && predicted.triangles.empty())
-    throw_bad_input(mesh_file, "face", "the file has no faces", "give a surface of triangles");
+  const auto require_faces = [](const fs::path& named, const TriangleMesh& mesh) {
+    if (!named.empty() && mesh.triangles.empty())
+      throw_bad_input(named, "face", "the file has no faces", "give a surface of triangles");
+  };
+  require_faces(options.mesh, predicted);
+  require_faces(options.truth_mesh, truth);
   MeshEvaluationInput input = evaluation_cameras_of(run.scene());
   input.predicted = &predicted;
   input.truth = &truth;
@@ -177,7 +188,17 @@ TrainingMetrics training_metrics(const LoadedRun& run) {
 
 }  // namespace
 
+void require_named_meshes(const EvalStageOptions& options) {
+  const std::pair<const fs::path*, const char*> named[] = {{&options.truth_mesh, "--gt-mesh"},
+                                                           {&options.mesh, "--mesh"}};
+  for (const auto& [file, option] : named) {
+    if (!file->empty() && !fs::is_regular_file(*file))
+      throw_bad_input(*file, option, "there is no such mesh", "check the name, or leave the option out");
+  }
+}
+
 RunMetrics evaluate_run(LoadedRun& run, const EvalStageOptions& options) {
+  require_named_meshes(options);
   RunMetrics metrics;
   metrics.scene_source = run.scene().source;
   metrics.priors = run.scene().prior_source;

@@ -20,7 +20,11 @@ struct EvalStageOptions {
   ProgressStyle progress;
 };
 
+/// Error{kBadInput} that names the option unless meshes that were named are there: before minutes of measuring.
+void require_named_meshes(const EvalStageOptions& options);
+
 /// Measures and writes metrics.json (unless another mesh was given). Parts without truth stay empty, never a substitute.
+/// Errors as require_named_meshes', and for a named mesh without triangles; metrics.json stays as it was then.
 RunMetrics evaluate_run(LoadedRun& run, const EvalStageOptions& options);
 
 }  // namespace aligngs
