@@ -129,6 +129,10 @@ TEST_F(CameraPathCommand, RefusesWhatMakesNoSenseAndWritesNothing) {
       {"--path orbit -o " + quoted(root() / "run" / "renders" / "x.mp4"), {2, "belongs to the run"}},
       {keys + " -o " + quoted(root() / "keys.json"), {2, "source"}},
       {keys + " --at 3 -o " + quoted(root() / "out" / "a.png"), {2, "not on the way"}},
+      {keys + " --at 1" + out, {2, "--at is the time of one picture"}},
+      {keys + " --at 1", {2, "--at"}},
+      {keys + " --fps 5 -o " + quoted(root() / "out" / "a.png"), {2, "--fps is for a video"}},
+      {"--path orbi" + out, {3, "orbit, walk"}},
       {"--path orbit --split test" + out, {2, "excludes"}},
       {"--view a --path orbit" + out, {2, "excludes"}},
   };

@@ -131,7 +131,10 @@ void add_render_command(CLI::App& program, CommandContext& context) {
   path->excludes(split)->excludes(view);
   view->excludes(split);
   CLI::Option* output =
-      command->add_option("-o,--output", options->output, "FILE.mp4, FILE.png or a folder (default: RUN/orbit.mp4)")
+      command
+          ->add_option("-o,--output", options->output,
+                       "FILE.mp4, FILE.png or a folder (default: RUN/orbit.mp4, RUN/walk.mp4, RUN/path.mp4 for a file "
+                       "of key frames; with --view NAME.png in this folder)")
           ->group("Camera");
   CLI::Option* size =
       command->add_option("--size", options->size, "pixels, WIDTHxHEIGHT")->capture_default_str()->group("Camera");
@@ -149,8 +152,14 @@ void add_render_command(CLI::App& program, CommandContext& context) {
   CLI::Option* original =
       command->add_flag("--original", options->original, "the room before its edits")->group("Camera");
   for (CLI::Option* option : {rate, seconds, at}) option->needs(path);
+  at->needs(output);
   add_device_option(*command, options->device);
-  command->callback([&context, options, output, size, original] {
+  command->callback([&context, options, output, size, original, rate, at] {
+    const bool picture = std::filesystem::path(options->output).extension() == ".png";
+    if (at->count() > 0 && !picture)
+      throw_usage("--at is the time of one picture", "name a picture with -o FILE.png, or leave --at out");
+    if (rate->count() > 0 && picture)
+      throw_usage("--fps is for a video or many pictures", "leave --fps out, or name FILE.mp4 or a folder with -o");
     if (!options->path.empty()) return draw_path(context, *options);
     if (!options->view.empty()) return draw_view(context, *options);
     if (output->count() + size->count() + original->count() > 0) {

@@ -115,6 +115,10 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
   const std::string ending = options.output.extension().string();
   RunFolder(run).require_not_of_run(options.output);
   if (!is_tour(options.path)) {
+    if (!fs::exists(options.path)) {
+      throw_bad_input(options.path, "--path", "there is no such file of key frames, and no such tour",
+                      "give orbit, walk, or a file that the page saved");
+    }
     require_apart(options.output, {options.path});
     read_camera_path(options.path);
   }
