@@ -70,6 +70,17 @@ const CLI::App& called(const CLI::App& program, const std::vector<std::string>& 
   return *app;
 }
 
+/// The shortest of the names that begin with `typed`, as "--delete" for "--dele"; else the one that is spelled alike.
+std::string nearest_option(const std::string& typed, const std::vector<std::string>& known) {
+  constexpr size_t kFewestLetters = 3;  // two dashes and one letter tell too little
+  std::string best;
+  for (const std::string& name : known) {
+    if (typed.size() > kFewestLetters && name.starts_with(typed) && (best.empty() || name.size() < best.size()))
+      best = name;
+  }
+  return best.empty() ? nearest_word(typed, known) : best;
+}
+
 }  // namespace
 
 void require_given_values(const CLI::App& program) {
@@ -88,7 +99,7 @@ UnknownOption find_unknown_option(const CLI::App& program, const std::vector<std
     if (word == "--") break;
     if (word.rfind("--", 0) != 0) continue;
     const std::string name = word.substr(0, word.find('='));
-    if (std::find(known.begin(), known.end(), name) == known.end()) return {name, nearest_word(name, known)};
+    if (std::find(known.begin(), known.end(), name) == known.end()) return {name, nearest_option(name, known)};
   }
   return {};
 }

@@ -61,6 +61,11 @@ TEST_F(GivenOptions, ANumberThatIsNoneIsNamed) {
   EXPECT_THAT(refusal({"models", "download", "--error", "nan"}), HasSubstr("--error: \"nan\""));
 }
 
+TEST_F(GivenOptions, ABeginningNamesItsOption) {
+  EXPECT_EQ(find_unknown_option(program_, {"models", "download", "--outp"}).nearest, "--output");
+  EXPECT_EQ(find_unknown_option(program_, {"models", "download", "--forc=1"}).nearest, "--force");
+}
+
 TEST_F(GivenOptions, AnOptionThatIsNotThereHasItsNeighbour) {
   const UnknownOption found = find_unknown_option(program_, {"models", "download", "--json", "--ouptut=x"});
   EXPECT_EQ(found.name, "--ouptut");
