@@ -75,12 +75,20 @@ EditOperation operation_of(const EditOptions& options) {
                 "use it with --delete, --extract, --move or --duplicate");
   if (!replaces && (options.fit || options.up != "z"))
     throw_usage("--fit and --up are about the object of --replace", "use them with --replace");
+  const bool of_run = replaces && !std::filesystem::path(options.replace).extension().string().starts_with(".ply") &&
+                      options.replace.find('#') != std::string::npos;
+  if (of_run && options.up != "z") {
+    throw_usage("--up is for a file of splats: the other run knows which way is up",
+                "leave --up out, or give FILE.ply to --replace");
+  }
   edit.fill = options.fill || edit.kind == EditKind::kMove || replaces;
   edit.with = options.replace;
   edit.fit = options.fit;
   edit.up_axis = parse_axis(options.up);
   if (!options.move.empty()) edit.motion.shift = parse_shift(options.move);
   if (!options.turn.empty()) edit.motion.turn = parse_turn(options.turn);
+  const bool copies_beside = edit.kind == EditKind::kDuplicate && options.move.empty();
+  if (moves && !copies_beside) require_motion(edit.motion);
   edit.with_contents = options.with_contents;
   edit.select = options.select;
   edit.threshold = parse_threshold(options.threshold);

@@ -109,10 +109,11 @@ void read_motion(const std::string& verb, EditOperation& edit, std::string& text
     const auto turn = take_turn(text);
     if (!turn) throw_usage("the turn has no angle", "for example \"turn armchair by 90\"");
     edit.motion.turn = *turn;
-    return;
+    return require_motion(edit.motion);
   }
   if (const auto motion = take_motion(text)) {
     edit.motion = *motion;
+    require_motion(edit.motion);
   } else if (edit.kind == EditKind::kMove) {
     refuse_place(text);
     throw_usage("the move has no distance",

@@ -19,6 +19,20 @@ TEST(EditText, AVerbAndASelection) {
   EXPECT_EQ(parse_edit("extract everything but wall, floor").select, "everything but wall, floor");
 }
 
+TEST(EditText, AnEditThatMovesNothingIsRefused) {
+  for (const char* text : {"move sofa 0 cm left", "move sofa by 0,0,0", "turn sofa by 0", "turn sofa by 360",
+                           "move sofa 1 m left and 1 m right", "copy sofa by 0,0,0"}) {
+    try {
+      parse_edit(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << text;
+      EXPECT_THAT(error.what(), HasSubstr("nothing would move")) << text;
+    }
+  }
+  EXPECT_TRUE(parse_edit("copy sofa").motion.is_still()) << "a copy without a motion is beside the sofa";
+}
+
 TEST(EditText, AColourStandsAtTheEnd) {
   const std::array<uint8_t, 3> blue{0xad, 0xd8, 0xe6};
   for (const char* text : {"recolor sofa to #add8e6", "recolour sofa #add8e6", "Recolor sofa With #ADD8E6"}) {

@@ -22,6 +22,7 @@ constexpr double kFullTurn = 360;       // degrees
 std::optional<double> number_of(std::string_view given, double largest) {
   std::string text(trimmed(given));
   std::replace(text.begin(), text.end(), ',', '.');
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.erase(0, 1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(std::fabs(value) <= largest)) return {};
@@ -48,7 +49,7 @@ constexpr Unit kUnits[] = {{"m", 1},       {"metre", 1},          {"meter", 1},
                            {"in", 0.0254}, {"inch", 0.0254},      {"inche", 0.0254},
                            {"ft", 0.3048}, {"foot", 0.3048},      {"feet", 0.3048}};
 
-constexpr const char* kLength = R"(([-+]?[0-9]*[.,]?[0-9]+))";
+constexpr const char* kLength = R"(([-+]?[0-9]*[.,]?[0-9]+(?:e[-+]?[0-9]+)?))";
 constexpr const char* kUnit =
     R"((m|metres?|meters?|cm|centimetres?|centimeters?|mm|millimetres?|millimeters?|in|inch|inches|ft|foot|feet))";
 constexpr const char* kDirection =
@@ -84,7 +85,8 @@ const std::regex& a_length_alone() {
 
 const std::regex& by_degrees() {
   static const std::regex pattern(
-      "^(.*?\\S)( +by)? +([-+.,0-9]+)( *degrees?| *deg| *\xc2\xb0)?( +(counter-?clockwise|clockwise|(?:to +the "
+      "^(.*?\\S)( +by)? +([-+.,0-9]+(?:e[-+]?[0-9]+)?)( *degrees?| *deg| *\xc2\xb0)?( "
+      "+(counter-?clockwise|clockwise|(?:to +the "
       "+)?(?:left|right)))?$",
       std::regex::icase);
   return pattern;
@@ -126,13 +128,16 @@ double metres_of(std::string unit) {
   return metres;
 }
 
-ObjectMotion motion_toward(std::string length, const std::string& unit, const std::string& words,
+[[noreturn]] void refuse_length(const std::string& length, const char* example) {
+  throw_usage(fmt::format("\"{}\" is no length of at most {:.0f} metres or scene units", length, kLongestShift),
+              std::string("for example \"move chair 0.5 m ") + example + "\"");
+}
+
+ObjectMotion motion_toward(const std::string& length, const std::string& unit, const std::string& words,
                            const std::string& thing) {
-  if (length.front() == '+') length.erase(0, 1);
   const double metres = metres_of(unit);
   const auto value = number_of(length, kLongestShift / metres);
-  if (!value || *value == 0)
-    throw_usage("\"" + length + "\" is no length", "for example \"move chair 0.5 m towards the window\"");
+  if (!value || *value == 0) refuse_length(length, "towards the window");
   ObjectMotion motion;
   motion.in_metres = !unit.empty();
   motion.toward = thing;
@@ -141,12 +146,10 @@ ObjectMotion motion_toward(std::string length, const std::string& unit, const st
 }
 
 /// Words of `length`, `unit` (may be empty) and `direction` as a shift.
-Vec3d shift_along(std::string length, const std::string& unit, std::string direction) {
-  if (length.front() == '+') length.erase(0, 1);
+Vec3d shift_along(const std::string& length, const std::string& unit, std::string direction) {
   const double metres = metres_of(unit);
   const auto value = number_of(length, kLongestShift / metres);
-  if (!value)
-    throw_usage("\"" + length + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
+  if (!value) refuse_length(length, "to the left");
   direction = lower_case(direction);
   if (direction.starts_with("toward")) direction = "closer";
   for (const Direction& known : kDirections) {
@@ -261,6 +264,12 @@ std::optional<double> take_turn(std::string& text) {
   const bool clockwise = side == "clockwise" || side.ends_with("right");
   text = std::string(match[1].str());
   return clockwise ? -turn : turn;
+}
+
+void require_motion(const ObjectMotion& motion) {
+  if (!motion.stays_in_place() || std::fmod(motion.turn, kFullTurn) != 0) return;
+  throw_usage("nothing would move: the motion is zero",
+              "give a length above 0, or a turn that is no multiple of 360 degrees");
 }
 
 std::string motion_text(const ObjectMotion& motion) {

@@ -24,6 +24,9 @@ std::optional<double> take_turn(std::string& text);
 /// Error{kUsage} where a text without a motion ends in a place: "chair to the window" needs a length.
 void refuse_place(const std::string& text);
 
+/// Error{kUsage} for a motion that leaves everything in its place: no way, and no turn but whole circles.
+void require_motion(const ObjectMotion& motion);
+
 /// " by 0.5,0,-0.2 and turn by 90" as take_motion() reads it; empty without motion.
 std::string motion_text(const ObjectMotion& motion);
 

@@ -104,6 +104,40 @@ TEST(MotionText, PartsOfATurn) {
   }
 }
 
+TEST(MotionText, APlusSignIsPartOfANumber) {
+  EXPECT_EQ(parse_turn("+90"), 90);
+  EXPECT_EQ(parse_shift("+0.1,0,-0.5").x, 0.1);
+  EXPECT_EQ(taken("sofa +0.5 m to the left").second, " by -0.5,0,0");
+  std::string text = "sofa by +90 degrees";
+  EXPECT_EQ(take_turn(text), 90);
+  EXPECT_THROW(parse_turn("+-90"), Error);
+}
+
+TEST(MotionText, ALengthThatIsTooLongIsNamed) {
+  for (std::string text : {"sofa 1e30 m left", "sofa 1e30 m towards the bed", "sofa left by 1e30 m"}) {
+    try {
+      take_motion(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("\"1e30\" is no length of at most 1000")) << text;
+    }
+  }
+  EXPECT_EQ(taken("sofa 5e-1 m left").second, " by -0.5,0,0");
+}
+
+TEST(MotionText, AMotionOfNothingIsRefused) {
+  for (const double turn : {0.0, 360.0, -360.0}) {
+    ObjectMotion still;
+    still.turn = turn;
+    EXPECT_THROW(require_motion(still), Error) << turn;
+  }
+  ObjectMotion turned, moved;
+  turned.turn = 359;
+  moved.shift.x = 0.001;
+  EXPECT_NO_THROW(require_motion(turned));
+  EXPECT_NO_THROW(require_motion(moved));
+}
+
 TEST(MotionText, OtherTextsHaveNone) {
   for (const char* text : {"sofa", "sofa by", "sofa by 1,2", "sofa left", "by 1,2,3"})
     EXPECT_EQ(taken(text).second, "none") << text;
