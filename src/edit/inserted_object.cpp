@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
 
 #include "core/error.h"
 #include "edit/edit_session.h"
 #include "edit/fill/room_planes.h"
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
+#include "edit/object_bounds.h"
+#include "edit/object_names.h"
+#include "edit/splat_file.h"
 #include "gaussians/gaussian_geometry.h"
-#include "gaussians/gaussian_ply.h"
 
 namespace aligngs {
 
@@ -19,42 +19,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kMostInserted = 20'000'000;  // Gaussians: more than any room has, 5 GB
 constexpr const char* kSourceExample = "give FILE.ply or RUN#OBJECT, for example other_run#armchair#1";
 
 bool ends_in_ply(const std::string& text) {
   const std::string ending = fs::path(text).extension().string();
   return ending == ".ply" || ending == ".PLY";
-}
-
-/// The class that most Gaussians of a labelled file have; -1: none.
-int commonest_label(const std::vector<uint16_t>& labels) {
-  std::map<uint16_t, size_t> counts;
-  for (const uint16_t label : labels) {
-    if (label != kNoLabel) ++counts[label];
-  }
-  const auto best =
-      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return best == counts.end() ? -1 : best->first;
-}
-
-/// The header of a PLY file, or what begins a file that is none.
-std::string head_of(const fs::path& file) {
-  constexpr size_t kLongestHead = 8192;  // bytes: a header of this program has 2300
-  std::ifstream in(file, std::ios::binary);
-  std::string head(kLongestHead, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<size_t>(in.gcount()));
-  return head.substr(0, head.find("end_header"));
-}
-
-/// The commonest class of a labelled file, where it says that its label set is one that this program knows.
-std::string class_of_file(const std::string& head, const std::vector<uint16_t>& labels) {
-  const int label = commonest_label(labels);
-  const LabelSet& known = ade20k_labels();
-  if (label < 0 || static_cast<size_t>(label) >= known.classes.size()) return {};
-  const bool same = head.find("comment aligngs label_set " + known.name + "\n") != std::string::npos;
-  return same ? known.classes[static_cast<size_t>(label)].name : std::string();
 }
 
 /// Labels and origins of no meaning yet, one per Gaussian.
@@ -76,22 +45,26 @@ InsertedObject read_file_object(const std::string& source, UpAxis up) {
   InsertedObject out;
   out.up = direction_of(up);
   out.front = out.up.z != 0 ? Vec3d{0, -1, 0} : Vec3d{0, 0, 1};
-  const std::string head = head_of(file);
-  const auto has = [&](const char* name) { return head.find(std::string(" ") + name + "\n") != std::string::npos; };
-  if (has("label") && has("instance") && has("confidence")) {
-    LabelledModel labelled = read_labelled_gaussian_ply(file);
-    out.room.gaussians.model = std::move(labelled.model);
-    out.class_name = class_of_file(head, labelled.labels.label);
-  } else {
-    out.room.gaussians.model = read_gaussian_ply(file);
-  }
-  const size_t count = out.room.gaussians.model.size();
-  if (count == 0 || count > kMostInserted) {
-    throw_bad_input(file, "element vertex", count == 0 ? "the file has no Gaussians" : "more than 20 million Gaussians",
-                    "give the splats of one object");
-  }
+  SplatFile splats = read_splat_file(file);
+  require_object_bounds(splats.model, file);
+  out.room.gaussians.model = std::move(splats.model);
+  out.class_name = std::move(splats.class_name);
   complete(out.room);
   return out;
+}
+
+/// The object of the other run. Its errors speak of --replace: a reader would look for the fault in --select.
+GaussianSelection selected_in(const EditableRoom& room, const fs::path& run, const std::string& name,
+                              ThreadPool& pool) {
+  try {
+    return select_gaussians(room.gaussians, read_selection(room, name), {}, room.labels, {}, pool);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kUsage && error.kind() != ErrorKind::kBadInput) throw;
+    const std::vector<Instance> objects = list_instances(room.gaussians.model, room.gaussians.labels);
+    throw Error({error.kind(), "of the other run: " + error.details().message, run, "--replace",
+                 objects.empty() ? "that run has no object with a name"
+                                 : "name one of its objects: " + first_objects_text(objects, room.labels)});
+  }
 }
 
 InsertedObject read_run_object(const std::string& source, ThreadPool& pool) {
@@ -101,8 +74,7 @@ InsertedObject read_run_object(const std::string& source, ThreadPool& pool) {
   const std::string run = source.substr(0, hash), name = source.substr(hash + 1);
   EditSession session(run, {{}, pool.size()});
   const EditableRoom& room = session.room();
-  const SelectionQuery query = read_selection(room, name);
-  const GaussianSelection selection = select_gaussians(room.gaussians, query, {}, room.labels, {}, pool);
+  const GaussianSelection selection = selected_in(room, run, name, pool);
   InsertedObject out;
   out.metric = session.scene().metric;
   if (!room.up)

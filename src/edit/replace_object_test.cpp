@@ -157,6 +157,43 @@ TEST_F(ReplaceObject, OtherEditsHaveNone) {
   EXPECT_FALSE(inserted_by(difference(before, room_, edit, report, 1, 0), before));
 }
 
+TEST_F(ReplaceObject, FilesBeyondTheBoundsAreRefused) {
+  const auto refusal = [&](const GaussianModel& model) -> std::string {
+    write_gaussian_ply(file_, model);
+    try {
+      read_inserted_object(file_, UpAxis::kZ, pool_);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_EQ(error.details().path, file_);
+      EXPECT_FALSE(error.details().field.empty());
+      EXPECT_FALSE(error.details().remedy.empty());
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(block()), "");
+  GaussianModel stray = block(), far = block(), wide = block(), faint = block(), all_wide = block(), offset = block();
+  stray.positions[3] = 1e6f;
+  EXPECT_THAT(refusal(stray), HasSubstr("Gaussian 1 is 1e+06 units from the middle"));
+  for (size_t i = 0; i < far.size(); ++i) far.positions[3 * i] = 1e20f;
+  EXPECT_THAT(refusal(far), HasSubstr("32-bit numbers"));
+  wide.log_scales[0] = 80;
+  EXPECT_THAT(refusal(wide), HasSubstr("Gaussian 0 has a standard deviation"));
+  for (float& s : all_wide.log_scales) s = 80;
+  EXPECT_THAT(refusal(all_wide), HasSubstr("units large"));
+  for (float& o : faint.opacity_logits) o = -20;
+  EXPECT_THAT(refusal(faint), HasSubstr("no Gaussian of the file can be seen"));
+  for (size_t i = 0; i < offset.size(); ++i) offset.positions[3 * i] += 1000;
+  EXPECT_EQ(refusal(offset), "") << "a kilometre away the shape is kept";
+}
+
+TEST_F(ReplaceObject, OneGaussianIsAnObject) {
+  GaussianModel one = block();
+  one.resize(1);
+  write_gaussian_ply(file_, one);
+  EXPECT_EQ(read_inserted_object(file_, UpAxis::kZ, pool_).room.gaussians.model.size(), 1u);
+}
+
 TEST_F(ReplaceObject, BadSourcesAreRefused) {
   const auto kind_of = [&](const std::string& source, const std::string& up = "z") {
     try {

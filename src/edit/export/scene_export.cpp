@@ -4,6 +4,7 @@
 
 #include "core/edit_distance.h"
 #include "core/error.h"
+#include "core/log.h"
 
 namespace aligngs {
 
@@ -33,6 +34,8 @@ ExportReport write_sog_export(const std::filesystem::path& path, const EditableR
 
 ExportReport write_spz_export(const std::filesystem::path& path, const EditableRoom& room, ThreadPool&,
                               const ExportOptions&) {
+  const std::string coarse = coarse_spz_warning(room.gaussians.model, room.gaussians.extent);
+  if (!coarse.empty()) log_warning("{}: {}", path.string(), coarse);
   return write_spz(path, room.gaussians.model);
 }
 

@@ -92,6 +92,8 @@ ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& r
                         const ExportOptions& options = {});
 /// SPZ version 3 (Niantic): gzip; right-up-back axes; 24-bit fixed-point positions, 8-bit everything else.
 ExportReport write_spz(const std::filesystem::path& path, const GaussianModel& model);
+/// Sentence about positions that SPZ keeps in steps of more than a thousandth of the extent; empty for finer ones.
+std::string coarse_spz_warning(const GaussianModel& model, double extent);
 /// SOG version 2 (PlayCanvas): a zip of lossless WebP images and meta.json.
 ExportReport write_sog(const std::filesystem::path& path, const GaussianModel& model, ThreadPool& pool);
 /// .splat: 32 bytes a Gaussian, colour without direction.

@@ -1,5 +1,7 @@
 // SPZ version 3: facts from the format's public description (nianticlabs/spz, README). A gzip stream of a 16-byte
 // header and one block per attribute.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -87,6 +89,18 @@ std::string body_of(const GaussianModel& model) {
 }
 
 }  // namespace
+
+std::string coarse_spz_warning(const GaussianModel& model, double extent) {
+  constexpr double kFine = 1e-3;  // of the extent: 3 mm in a room
+  const double step = std::ldexp(1.0, -fractional_bits(model));
+  if (step <= kFine * extent) return {};
+  float farthest = 0;
+  for (const float p : model.positions) farthest = std::max(farthest, std::fabs(p));
+  return fmt::format(
+      "positions in SPZ have steps of {:.2g} units, which is more than a thousandth of the room: the farthest Gaussian "
+      "is {:.3g} units from the origin. -f ply keeps them exactly",
+      step, farthest);
+}
 
 ExportReport write_spz(const std::filesystem::path& path, const GaussianModel& model) {
   constexpr size_t kMost = 10'000'000;  // readers refuse more
