@@ -250,7 +250,10 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
   if (leaves_hole(edit.kind) && selection.count == report.before) {
-    throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
+    const char* why = edit.kind == EditKind::kMove      ? "nothing else remains that could hold what moves"
+                      : edit.kind == EditKind::kReplace ? "nothing would remain around the new object"
+                                                        : "nothing would be left";
+    throw_bad_input({}, "--select", std::string(why) + ": the selection is the whole room", "select less");
   }
   const std::vector<uint8_t> vertices =
       select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent, pool);

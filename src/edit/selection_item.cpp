@@ -37,9 +37,25 @@ bool continues(const std::vector<SelectionTerm>& terms, std::string_view name, s
               "say which one stays: \"every " + text + " but " + text + "#1\"");
 }
 
-void refuse_number(std::string_view whole) {
-  throw_usage("\"" + std::string(whole) + "\" has no object number after '#'",
-              "objects are numbered from 1: \"pillow#2\" or \"pillow#1-3\"");
+/// `numbers` is what follows the name.
+[[noreturn]] void refuse_numbers(std::string_view whole, std::string_view numbers) {
+  const std::string shown = "\"" + std::string(whole) + "\"";
+  constexpr std::string_view kDigits = "0123456789";
+  const size_t part = numbers.find_first_not_of(kDigits);
+  const bool begins = part != 0 && part != std::string_view::npos;
+  const auto [first, ignored] = object_numbers(numbers.substr(0, begins ? part : 0));
+  const int second = first > 0 && numbers[part] == '-' ? object_numbers(numbers.substr(part + 1)).first : 0;
+  if (second > 0 && second < first) {
+    throw_usage(shown + " counts backwards", "the smaller number comes first: \"pillow#1-3\"");
+  }
+  if (first > 0 && numbers[part] == ' ' && object_numbers(numbers).first == 0) {
+    throw_usage(shown + " goes on after the object number", "put a comma between objects: \"pillow#1, pillow#2\"");
+  }
+  if (object_numbers(numbers).second - object_numbers(numbers).first >= kMostNumbers) {
+    throw_usage(shown + " names more than " + std::to_string(kMostNumbers) + " objects",
+                "leave the numbers out for all objects of a class");
+  }
+  throw_usage(shown + " has no object number after '#'", "objects are numbered from 1: \"pillow#2\" or \"pillow#1-3\"");
 }
 
 /// Adds the terms of an item. Its place is read elsewhere.
@@ -94,7 +110,7 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
   }
   if (is_a) term.count = 0;
   const auto [first, last] = object_numbers(numbers);
-  if (first == 0 || last - first >= kMostNumbers || term.choice != ObjectChoice::kNone) refuse_number(whole);
+  if (first == 0 || last - first >= kMostNumbers || term.choice != ObjectChoice::kNone) refuse_numbers(whole, numbers);
   for (term.instance = first; term.instance <= last; ++term.instance) terms.push_back(term);
 }
 

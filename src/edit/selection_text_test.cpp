@@ -38,6 +38,12 @@ TEST(SelectionText, ObjectsHaveNumbers) {
   }
 }
 
+TEST(SelectionText, NumbersThatAreWrongAreToldApart) {
+  EXPECT_THAT(refusal("cushion#3-1"), HasSubstr("counts backwards"));
+  EXPECT_THAT(refusal("bed#1 bed#1"), HasSubstr("goes on after the object number"));
+  EXPECT_THAT(refusal("pillow#1-5000"), HasSubstr("more than 1000 objects"));
+}
+
 TEST(SelectionText, PeopleSayAllAndEvery) {
   EXPECT_EQ(canonical("all beds"), "bed");
   EXPECT_EQ(canonical("all of the lamps, each pillow"), "lamp, pillow");
