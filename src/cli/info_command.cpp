@@ -63,10 +63,10 @@ Json label_counts(const PlyElement& vertices, const LabelSet& labels) {
 }
 
 /// Why the program cannot use a file of Gaussians; empty where it can.
-std::string fault_of_gaussians(const fs::path& path) {
+std::string fault_of_gaussians(const PlyFile& file, const fs::path& path) {
   try {
-    read_gaussian_ply(path);
-    return {};
+    const bool empty = gaussians_of_ply(file, path).size() == 0;
+    return empty ? "the file has no Gaussians" : "";
   } catch (const Error& error) {
     const std::string& field = error.details().field;
     return (field.empty() ? "" : field + ": ") + error.details().message;
@@ -80,7 +80,11 @@ Json info_of_ply(const fs::path& path) {
   Json info = {{"comments", file.comments}};
   if (!vertices)
     throw_bad_input(path, "vertex", "the file has no vertices", "give a Gaussian scene, a mesh or a point cloud");
-  const bool gaussians = vertices->find("opacity") && vertices->find("scale_0") && vertices->find("rot_0");
+  const auto has_any = [&](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(), [&](const char* name) { return vertices->find(name) != nullptr; });
+  };
+  // One of these columns makes a file of Gaussians; those that are missing are a fault of it.
+  const bool gaussians = has_any({"scale_0", "rot_0", "f_dc_0"});
   const bool packed = vertices->find("packed_position") != nullptr;
   info["kind"] = gaussians               ? "Gaussian scene"
                  : packed                ? "packed Gaussian scene of SuperSplat"
@@ -93,7 +97,7 @@ Json info_of_ply(const fs::path& path) {
   if (gaussians) {
     const bool strict = vertices->properties.size() == 62;
     info["layout"] = strict ? "standard 62-float 3DGS" : vertices->find("label") ? "3DGS with labels" : "3DGS variant";
-    if (const std::string fault = fault_of_gaussians(path); !fault.empty()) info["not_usable"] = fault;
+    if (const std::string fault = fault_of_gaussians(file, path); !fault.empty()) info["not_usable"] = fault;
   }
   info["bounds"] = bounds_of(*vertices);
   const Json classes = label_counts(*vertices, ade20k_labels());

@@ -9,6 +9,8 @@
 
 namespace aligngs {
 
+struct PlyFile;
+
 struct GaussianLabels {
   std::string label_set;            ///< e.g. "ade20k150"
   std::vector<uint16_t> label;      ///< class or kNoLabel
@@ -29,6 +31,8 @@ void write_labelled_gaussian_ply(const std::filesystem::path& path, const Gaussi
 GaussianModel read_gaussian_ply(const std::filesystem::path& path);
 /// The same for the bytes of a file.
 GaussianModel decode_gaussian_ply(const std::string& bytes, const std::filesystem::path& name_for_errors);
+/// The same for the columns of a file that has been decoded.
+GaussianModel gaussians_of_ply(const PlyFile& file, const std::filesystem::path& name_for_errors);
 
 struct LabelledModel {
   GaussianModel model;

@@ -208,6 +208,14 @@ GaussianModel decode_gaussian_ply(const std::string& bytes, const std::filesyste
   return read_columns(bytes, name, nullptr);
 }
 
+GaussianModel gaussians_of_ply(const PlyFile& file, const std::filesystem::path& name) {
+  GaussianColumns columns(file, name);
+  GaussianModel model;
+  want_model(columns, name, model);
+  columns.copy();
+  return model;
+}
+
 LabelledModel read_labelled_gaussian_ply(const std::filesystem::path& path) {
   LabelColumns columns;
   LabelledModel out;
