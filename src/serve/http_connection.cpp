@@ -22,6 +22,21 @@ constexpr int kSendBuffer = 128 * 1024;         // bytes
 constexpr size_t kMostDiscarded = 1024 * 1024;  // bytes read after the last answer
 constexpr auto kDiscardTime = 2s;
 
+constexpr size_t kChunkPiece = 16 * 1024;  // bytes of a chunked body that are read at a time
+
+/// Whether bytes that the parser leaves may become the head of a chunk: an end of line, hexadecimal digits, and what
+/// follows them. The parser itself waits for the end of the line, which may never come.
+bool may_begin_chunk(std::string_view bytes) {
+  if (bytes.size() > kHeaderLimit) return false;
+  if (bytes.starts_with("\r\n")) bytes.remove_prefix(2);
+  if (bytes.empty() || bytes == "\r") return true;
+  const size_t digits = std::min(bytes.find_first_not_of("0123456789abcdefABCDEF"), bytes.size());
+  constexpr size_t kMostDigits = 16;  // of a 64-bit number
+  if (digits == 0 || digits > kMostDigits) return false;
+  const size_t next = bytes.find_first_not_of(" \t", digits);
+  return next == std::string_view::npos || bytes[next] == ';' || bytes[next] == '\r';
+}
+
 constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
 
 /// The client sends its body when it has been told to (RFC 9110, section 10.1.1).
@@ -81,6 +96,7 @@ awaitable<std::optional<Request>> HttpConnection::read(
     if (auto refused = refuse(parser.get())) co_return co_await answered(parser.get(), std::move(*refused));
     if (!parser.is_done() && waits_to_be_asked(parser.get())) co_await write(kGoOn);
   }
+  if (!error && parser.chunked()) co_await read_chunks(parser, error);
   while (!error && !parser.is_done()) {
     stream_.expires_after(limits_.request);
     co_await http::async_read_some(stream_, buffer_, parser, net::redirect_error(use_awaitable, error));
@@ -91,6 +107,24 @@ awaitable<std::optional<Request>> HttpConnection::read(
   unread.version(11);
   if (auto told = answer_to(error, unread)) co_return co_await answered(unread, std::move(*told));
   co_return std::nullopt;
+}
+
+awaitable<void> HttpConnection::read_chunks(http::request_parser<http::string_body>& parser, beast::error_code& error) {
+  while (!error && !parser.is_done()) {
+    const size_t taken = buffer_.size() > 0 ? parser.put(buffer_.data(), error) : 0;
+    buffer_.consume(taken);
+    if (error == http::error::need_more) error = {};
+    if (error || parser.is_done() || taken > 0) continue;
+    const net::const_buffer rest = buffer_.data();
+    if (!may_begin_chunk({static_cast<const char*>(rest.data()), rest.size()})) {
+      error = http::error::bad_chunk;
+      continue;
+    }
+    stream_.expires_after(limits_.request);
+    const size_t got =
+        co_await stream_.async_read_some(buffer_.prepare(kChunkPiece), net::redirect_error(use_awaitable, error));
+    buffer_.commit(got);
+  }
 }
 
 awaitable<void> HttpConnection::write(std::string_view bytes) {

@@ -33,6 +33,8 @@ class HttpConnection {
 
  private:
   net::awaitable<std::optional<Request>> answered(const Request& request, HttpAnswer answer);
+  /// Reads a body in chunks. Bytes that cannot become a chunk are an error at once.
+  net::awaitable<void> read_chunks(http::request_parser<http::string_body>& parser, beast::error_code& error);
 
   ServerLimits limits_;
   beast::tcp_stream stream_;

@@ -58,6 +58,22 @@ TEST_F(HttpRules, ALengthHasOneMeaning) {
   EXPECT_EQ(status(raw(post_head(chunked + "\r\n20000\r\n" + std::string(0x20000, ' ')))), 413);
 }
 
+TEST_F(HttpRules, AChunkThatIsNoneIsRefusedAtOnce) {
+  const std::string head = post_head("Content-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n");
+  for (const char* chunks : {"{}", "zz\r\n{}\r\n", "-1\r\n", "2 {}", "2\r\n{}\r\nx", "11111111111111111"}) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_EQ(status(raw(head + chunks)), 400) << chunks;
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 900ms) << chunks << ": not after the limit of time";
+  }
+  const Client parts(server_->port());
+  parts.send(head);
+  for (const char* part : {"1", "\r", "\n{", "\r\n1;a=b\r\n}", "\r\n0\r\n", "\r\n"}) {
+    parts.send(part);
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_EQ(status(parts.receive(10000)), 200) << "chunks in pieces are whole";
+}
+
 TEST_F(HttpRules, APostNeedsItsContentTypeInAnyCase) {
   EXPECT_EQ(status(raw(post_head("Content-Length: 2\r\n\r\n{}"))), 403);
   EXPECT_EQ(status(raw(post_head("Content-Type: Application/JSON; charset=utf-8\r\nContent-Length: 2\r\n\r\n{}"))),
