@@ -8,6 +8,7 @@
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/report/comparison.h"
+#include "cli/report/same_room.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/output_place.h"
@@ -30,11 +31,15 @@ nlohmann::ordered_json comparison_json(const std::vector<RunScores>& runs) {
           std::isfinite(run.score[c]) ? nlohmann::ordered_json(run.score[c]) : nlohmann::ordered_json(nullptr);
     }
     if (&run != &runs[0]) {
+      row["different_room"] = run.other_room;
       for (const ViewScoreColumn& c : view_score_columns()) {
         const PairedDifference d = view_difference(runs[0], run, c.score);
         if (d.pairs == 0) continue;
-        row[std::string(c.csv_name) + "_difference"] = {
-            {"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
+        nlohmann::ordered_json& difference = row[std::string(c.csv_name) + "_difference"];
+        difference = {{"mean", d.mean}, {"low", nullptr}, {"high", nullptr}, {"views", d.pairs}};
+        if (!d.has_interval()) continue;
+        difference["low"] = d.low;
+        difference["high"] = d.high;
       }
     }
     out.push_back(std::move(row));
@@ -55,6 +60,7 @@ void compare(const CommandContext& context, const CompareOptions& options) {
   std::vector<RunScores> runs;
   for (const std::string& folder : options.runs) runs.push_back(read_run_scores(folder));
   name_apart(runs);
+  mark_other_rooms(runs);
   for (const std::string& warning : comparison_warnings(runs)) log_warning("{}", warning);
   if (!options.csv.empty()) write_file_atomically(options.csv, comparison_csv(runs));
   if (!options.html.empty()) write_file_atomically(options.html, comparison_page(runs));
@@ -76,6 +82,7 @@ void add_compare_command(CLI::App& program, CommandContext& context) {
                    .example = "aligngs compare base_run other_run",
                    .advanced = "aligngs compare base_run second_run third_run --html compare.html --csv compare.csv",
                    .notes = "Differences are to the first run, view by view, with a 95 % interval.\n"
+                            "Few shared views and runs of different rooms have none.\n"
                             "Figures of a whole run have no interval: geometry, mIoU."}));
   auto options = std::make_shared<CompareOptions>();
   command->add_option("runs", options->runs, "run folders with metrics.json; the first is the one to compare with")

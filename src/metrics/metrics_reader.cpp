@@ -231,7 +231,10 @@ RunMetrics metrics_from_json(const Json& json) {
 
 RunMetrics read_metrics(const std::filesystem::path& file) {
   const Json json = parse_json(read_file(file));
-  if (!json.is_object()) throw_bad_input(file, "metrics.json", "is not JSON", "measure again with `aligngs eval`");
+  if (!json.is_object()) {
+    throw_bad_input(file, "metrics.json", json.is_discarded() ? "is not JSON" : "is JSON, but no object",
+                    "measure again with `aligngs eval`");
+  }
   return metrics_from_json(json);
 }
 

@@ -28,6 +28,10 @@ PairedDifference paired_difference(const std::vector<double>& a, const std::vect
   }
   const double n = static_cast<double>(differences.size());
   for (const double d : differences) out.mean += d / n;
+  if (!out.has_interval()) {
+    out.low = out.high = std::numeric_limits<double>::quiet_NaN();
+    return out;
+  }
   Random random(kSeed);
   std::vector<double> means(kDraws, 0.0);
   for (double& mean : means) {

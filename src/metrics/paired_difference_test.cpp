@@ -51,6 +51,13 @@ TEST(PairedDifference, NoPairsAreNotANumber) {
   EXPECT_FALSE(d.beyond_noise());
 }
 
+TEST(PairedDifference, FewPairsHaveAMeanAndNoInterval) {
+  const PairedDifference d = paired_difference({1, 2}, {2, 4});
+  EXPECT_DOUBLE_EQ(d.mean, 1.5);
+  EXPECT_TRUE(std::isnan(d.low) && std::isnan(d.high));
+  EXPECT_FALSE(d.has_interval() || d.beyond_noise());
+}
+
 TEST(PairedDifference, IsTheSameEveryTime) {
   const std::vector<double> a = {1, 2, 3, 4, 5}, b = {2, 1, 4, 6, 5};
   EXPECT_EQ(paired_difference(a, b).low, paired_difference(a, b).low);

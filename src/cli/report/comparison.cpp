@@ -67,6 +67,7 @@ std::string comparison_csv(const std::vector<RunScores>& runs) {
 }
 
 PairedDifference view_difference(const RunScores& base, const RunScores& run, double TestViewMetrics::*score) {
+  if (run.other_room) return paired_difference({}, {});
   std::map<std::string, double> of_base;
   for (const TestViewMetrics& v : base.views) of_base[v.name] = v.*score;
   std::vector<double> a, b;
@@ -100,9 +101,19 @@ std::string comparison_text(const std::vector<RunScores>& runs) {
     out += "\n";
   }
   for (size_t i = 1; i < runs.size(); ++i) {
+    if (runs[i].other_room) {
+      out += fmt::format("{} against {}: different rooms, so that no view is compared\n", runs[i].name, runs[0].name);
+      continue;
+    }
     for (const ViewScoreColumn& c : view_score_columns()) {
       const PairedDifference d = view_difference(runs[0], runs[i], c.score);
       if (d.pairs == 0) continue;
+      if (!d.has_interval()) {
+        out +=
+            fmt::format("{} against {}: {} {:+.{}f} over {} shared test view{} (no interval below {})\n", runs[i].name,
+                        runs[0].name, c.name, d.mean, c.digits, d.pairs, d.pairs == 1 ? "" : "s", kFewestPairs);
+        continue;
+      }
       out += fmt::format("{} against {}: {} {:+.{}f}, 95 % interval {:+.{}f} to {:+.{}f} over {} shared test views{}\n",
                          runs[i].name, runs[0].name, c.name, d.mean, c.digits, d.low, c.digits, d.high, c.digits,
                          d.pairs, d.beyond_noise() ? "" : " (inside the noise)");
@@ -114,7 +125,10 @@ std::string comparison_text(const std::vector<RunScores>& runs) {
 std::vector<std::string> comparison_warnings(const std::vector<RunScores>& runs) {
   std::vector<std::string> out;
   for (size_t i = 1; i < runs.size(); ++i) {
-    if (views_of(runs[i]) != views_of(runs[0])) {
+    if (runs[i].other_room) {
+      out.push_back(fmt::format("{} and {} show different rooms: views of one name are different photos", runs[0].name,
+                                runs[i].name));
+    } else if (views_of(runs[i]) != views_of(runs[0])) {
       out.push_back(fmt::format("{} and {} were measured on different test views", runs[0].name, runs[i].name));
     }
     if (!runs[i].protocol.empty() && !runs[0].protocol.empty() && runs[i].protocol != runs[0].protocol) {

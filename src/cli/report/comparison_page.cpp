@@ -55,8 +55,10 @@ std::string table(const std::vector<RunScores>& runs) {
     }
     for (const ViewScoreColumn& c : view_score_columns()) {
       const PairedDifference d = i == 0 ? PairedDifference{} : view_difference(runs[0], runs[i], c.score);
-      html += i == 0 || d.pairs == 0
-                  ? "<td></td>"
+      html += i > 0 && runs[i].other_room ? "<td>different rooms</td>"
+              : i == 0 || d.pairs == 0    ? "<td></td>"
+              : !d.has_interval()
+                  ? fmt::format("<td>{:+.{}f}, no interval below {} views</td>", d.mean, c.digits, kFewestPairs)
                   : fmt::format("<td>{:+.{}f} [{:+.{}f}, {:+.{}f}]{}</td>", d.mean, c.digits, d.low, c.digits, d.high,
                                 c.digits, d.beyond_noise() ? "" : " inside the noise");
     }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "cli/report/same_room.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
@@ -59,7 +60,7 @@ TEST_F(ComparisonTest, ReadsTheFiguresAndKnowsWhatIsMissing) {
 }
 
 TEST_F(ComparisonTest, ARunThatWasNotMeasuredSaysWhatToDo) {
-  fs::create_directories(root() / "empty");
+  write_file_atomically(root() / "empty" / "run.json", "{}");
   try {
     read_run_scores(root() / "empty");
     FAIL();
@@ -71,6 +72,66 @@ TEST_F(ComparisonTest, ARunThatWasNotMeasuredSaysWhatToDo) {
 TEST_F(ComparisonTest, AFileThatIsNotJsonIsBadInput) {
   write_file_atomically(root() / "bad" / "metrics.json", "{\"nvs\": ");
   EXPECT_THROW(read_run_scores(root() / "bad"), Error);
+}
+
+TEST_F(ComparisonTest, AFolderThatIsNoRunSaysWhatItIs) {
+  const auto refusal = [](const fs::path& folder) -> std::string {
+    try {
+      read_run_scores(folder);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  write_file_atomically(root() / "scene" / "scene.json", "{}");
+  EXPECT_THAT(refusal(root() / "absent"), HasSubstr("no such folder"));
+  EXPECT_THAT(refusal(root() / "scene"), HasSubstr("scene folder"));
+}
+
+TEST_F(ComparisonTest, AListIsNoMetrics) {
+  write_file_atomically(root() / "list" / "metrics.json", "[]");
+  try {
+    read_run_scores(root() / "list");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("is JSON, but no object"));
+  }
+}
+
+TEST_F(ComparisonTest, FewSharedViewsHaveNoInterval) {
+  auto runs = read({write_run("a", 20), write_run("b", 20.5)});
+  runs[1].views.resize(2);
+  const std::string text = comparison_text(runs);
+  EXPECT_THAT(text, HasSubstr("b against a: PSNR (dB) +0.50 over 2 shared test views (no interval below 3)\n"));
+  EXPECT_THAT(text, Not(HasSubstr("inside the noise")));
+  EXPECT_THAT(comparison_page(runs), HasSubstr("no interval below 3 views"));
+}
+
+TEST_F(ComparisonTest, ViewsOfDifferentRoomsHaveNoPairs) {
+  const fs::path a = write_run("a", 20), b = write_run("b", 21), c = write_run("c", 22);
+  Image<uint8_t> dark(32, 24, 3), light(32, 24, 3), same(16, 12, 3);
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      for (int channel = 0; channel < 3; ++channel) {
+        dark.at(x, y, channel) = static_cast<uint8_t>(4 * x);
+        light.at(x, y, channel) = static_cast<uint8_t>(255 - 4 * y);
+        same.at(x / 2, y / 2, channel) = static_cast<uint8_t>(4 * x);
+      }
+    }
+  }
+  for (const auto& [run, photo] : {std::pair{a, dark}, {b, light}, {c, same}}) {
+    fs::create_directories(run / "renders" / "test" / "gt");
+    for (const char* view : {"v0", "v1", "v2"})
+      write_png(run / "renders" / "test" / "gt" / (std::string(view) + ".png"), photo);
+  }
+  auto runs = read({a, b, c});
+  mark_other_rooms(runs);
+  EXPECT_TRUE(runs[1].other_room);
+  EXPECT_FALSE(runs[2].other_room) << "the same photos in another size";
+  EXPECT_EQ(view_difference(runs[0], runs[1]).pairs, 0u);
+  EXPECT_EQ(view_difference(runs[0], runs[2]).pairs, 4u);
+  EXPECT_THAT(comparison_text(runs), HasSubstr("b against a: different rooms"));
+  EXPECT_THAT(comparison_warnings(runs), testing::Contains(HasSubstr("different rooms")));
 }
 
 TEST_F(ComparisonTest, TextHasARowPerRunAndTheDifferenceOverSharedViews) {

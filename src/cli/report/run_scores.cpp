@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "cli/folder_kind.h"
 #include "core/error.h"
 #include "metrics/metrics_json.h"
 
@@ -83,6 +84,7 @@ const std::array<ViewScoreColumn, 3>& view_score_columns() {
 RunScores read_run_scores(const std::filesystem::path& run) {
   const std::filesystem::path file = run / "metrics.json";
   if (!std::filesystem::exists(file)) {
+    require_run_of(run);
     throw_bad_input(file, "metrics.json", "this run has not been measured",
                     "run `aligngs eval " + run.string() + "` first");
   }

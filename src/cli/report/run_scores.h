@@ -60,13 +60,14 @@ struct RunScores {
   std::filesystem::path folder;
   std::array<double, kScoreCount> score{};  ///< NaN where the run has no such figure
   std::vector<TestViewMetrics> views;
-  std::string protocol;  ///< of the geometry figures
-  std::string priors;    ///< "simulated ..." where they are
+  std::string protocol;     ///< of the geometry figures
+  std::string priors;       ///< "simulated ..." where they are
+  bool other_room = false;  ///< its photos are not those of the first run (same_room.h): no view has a pair
 
   double operator[](Score s) const { return score[static_cast<size_t>(s)]; }
 };
 
-/// Error{kBadInput} without metrics.json, or with one that is not JSON.
+/// Error{kBadInput} for a folder that is no run, without metrics.json, or with one that is no JSON object.
 RunScores read_run_scores(const std::filesystem::path& run);
 
 /// The figure in its column's digits, "–" for NaN.
