@@ -9,9 +9,11 @@
 #include <numeric>
 
 #include "cli/command.h"
+#include "cli/folder_kind.h"
 #include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
+#include "edit/edit_operation.h"
 #include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
 #include "io/byte_source.h"
@@ -162,8 +164,12 @@ Json info_of_torch(const fs::path& path) {
 
 Json info_of_run(const fs::path& folder) {
   Json info = {{"kind", "run"}, {"run", parse_json(read_file(folder / "run.json"))}};
-  if (info["run"].is_discarded())
-    throw_bad_input(folder / "run.json", "", "this is no valid JSON", "the run folder is damaged");
+  if (!info["run"].is_object())
+    throw_bad_input(folder / "run.json", "", "this is no JSON object", "the run folder is damaged: make the run again");
+  Json edits = Json::array();
+  for (const EditOperation& edit : read_edits(folder / "edits.json")) edits.push_back(describe(edit));
+  info["edit_count"] = edits.size();
+  if (!edits.empty()) info["edits"] = edits;
   if (fs::exists(folder / "metrics.json")) {
     const Json metrics = metrics_json(read_metrics(folder / "metrics.json"));
     for (const char* part : {"nvs", "geometry", "semantics", "train"}) info["metrics"][part] = metrics[part];
@@ -220,7 +226,12 @@ bool is_of_colmap_model(const fs::path& path) {
 
 Json info_of(const fs::path& path) {
   if (!fs::exists(path)) throw_bad_input(path, "", "there is no such file or folder", "check the name");
-  if (fs::is_directory(path)) return fs::exists(path / "run.json") ? info_of_run(path) : info_of_scene(path);
+  if (fs::is_directory(path)) {
+    const FolderKind kind = kind_of_folder(path);
+    if (kind == FolderKind::kRun) return info_of_run(path);
+    if (kind == FolderKind::kScene) return info_of_scene(path);
+    refuse_folder(path, kind, "a scene folder or a run folder");
+  }
   const std::string extension = path.extension().string();
   if (extension == ".ply") return info_of_ply(path);
   if (is_of_colmap_model(path))
