@@ -294,6 +294,14 @@ TEST_F(EditCommand, MistakesAreClearAndChangeNothing) {
   expect("--say 'delete bed' --select bed", 2, "--say");
   expect("--select bed --delete --threshold 7", 2, "no threshold");
   expect("--select everything --delete", 3, "nothing would be left");
+  expect("--select everything --move=1,0,0", 3, "nothing else remains that could hold");
+  expect("--select bed --move=0,0,0", 2, "nothing would move");
+  expect("--select bed --turn 360", 2, "nothing would move");
+  expect("--say 'move bed 0 cm left'", 2, "nothing would move");
+  expect("--dele --select bed", 2, "did you mean: --delete");
+  expect("--select bed --replace " + quoted(run_) + "#spoonbill", 2, "--replace");
+  expect("--select bed --replace " + quoted(run_) + "#streetlight", 3, "name one of its objects");
+  expect("--select bed --up y --replace " + quoted(run_) + "#bed#1", 2, "--up is for a file of splats");
   expect("--select wall --extract --fill", 2, "--delete");
   EXPECT_FALSE(fs::exists(run_ / "edits.json"));
   write_file_atomically(run_ / "edits.json", "{\"schema\": 1, \"edits\": [{\"operation\": \"explode\"}]}");

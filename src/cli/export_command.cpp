@@ -156,9 +156,10 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--textured", options->what.textured,
                     formats_where(has_chosen_texture) +
                         ": a texture from the photos; at most 100000 triangles without another limit");
-  command
-      ->add_option("--texture-size", options->what.texture_size, "pixels, side of the texture at most (default: 4096)")
-      ->check(CLI::Range(256, 16384));
+  CLI::Option* texture_size = command
+                                  ->add_option("--texture-size", options->what.texture_size,
+                                               "pixels, side of the texture at most (default: 4096)")
+                                  ->check(CLI::Range(256, 16384));
   command->add_flag("--original", options->what.original, "leave out the edits of the run");
   command->add_flag("--no-before", options->no_before,
                     "html: leave out the room before its edits, and with it what they deleted");
@@ -169,7 +170,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       ->add_flag("--original-coordinates", options->original_coordinates,
                  "coordinates of the files that the scene was imported from")
       ->excludes("--keep-frame");
-  command->callback([&context, options] {
+  command->callback([&context, options, texture_size] {
     // Before the run is opened, which takes seconds.
     options->format = lower_case(options->format);
     const RunExportFormat& format = run_export_row(options->format);
@@ -177,6 +178,9 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (options->only == "mesh" || options->mesh_only) what.parts = RoomParts::kMesh;
     if (options->only == "splats" || options->splats_only) what.parts = RoomParts::kSplats;
     what.before = !options->no_before;
+    const bool has_texture = what.textured || (format.room && format.room->texture == ExportTexture::kAlways);
+    if (texture_size->count() > 0 && !has_texture)
+      throw_usage("--texture-size is for a mesh with a texture", "add --textured, or leave --texture-size out");
     require_options_of(format, *options);
     if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, options->format);

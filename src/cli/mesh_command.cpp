@@ -31,6 +31,18 @@ void require_mesh_places(const fs::path& run, const fs::path& mesh, const fs::pa
                "name a new or empty folder"});
 }
 
+/// Settings of the surface, and those that the views of a run are drawn by. Others have done their work in training.
+void require_settings_of_mesh(const std::vector<std::string>& sets) {
+  for (const std::string& set : sets) {
+    const bool counts = set.starts_with("mesh.") || set.starts_with("data.scale=") ||
+                        set.starts_with("train.near_plane=") || set.starts_with("init.far_shell=") ||
+                        set.starts_with("semantic.blend=");
+    if (counts) continue;
+    throw_usage("--set " + set + " has no effect on a mesh",
+                "settings that begin with mesh. have one; `aligngs train` takes the others");
+  }
+}
+
 }  // namespace
 
 void add_mesh_command(CLI::App& program, CommandContext& context) {
@@ -61,6 +73,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
   add_device_option(*command, options->device);
   command->callback([&context, options] {
+    require_settings_of_mesh(options->sets);
     if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, "ply");
     LoadedRun run = load_run(

@@ -2,15 +2,25 @@
 #include <CLI/App.hpp>
 
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
 #include "cli/help_text.h"
 #include "cli/page_server.h"
 #include "core/free_memory.h"
+#include "edit/splat_file.h"
 #include "io/json_text.h"
 
 namespace aligngs {
+namespace {
+
+/// Error{kBadInput} for a .ply file that holds no splats: the page would have nothing to show.
+void require_splats(const std::filesystem::path& run) {
+  if (std::filesystem::is_regular_file(run) && run.extension() == ".ply") read_splat_file(run);
+}
+
+}  // namespace
 
 void add_view_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("view", "Show a run in the browser, also while it trains, and edit it");
@@ -43,6 +53,7 @@ void add_view_command(CLI::App& program, CommandContext& context) {
     page.scene = options->scene;
     page.threads = context.global.threads;
     return_large_arrays_at_once();
+    require_splats(options->run);
     const PageServer server(std::move(page));
     const std::string ssh = server.ssh_line();
     if (context.global.json) {
