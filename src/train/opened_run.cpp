@@ -73,11 +73,15 @@ OpenedRun open_run(const fs::path& folder, const fs::path& scene) {
   OpenedRun run;
   run.folder = folder;
   run.record = read_run_record(paths.record());
+  if (!fs::exists(paths.config())) {
+    throw_bad_input(paths.config(), "", "the settings of this run are missing",
+                    "put config.toml of the run back: every stage, edit and export reads it");
+  }
   apply_config_file(paths.config(), run.config);
   const fs::path scene_folder = scene_of_run(folder, run.record, scene);
   if (!fs::exists(scene_folder)) {
     throw_bad_input(scene_folder, "scene", "the scene of this run is not where run.json says",
-                    "say where it is now: --scene DIR");
+                    "say where it is now: --scene DIR; labels, cameras and the scale come from there");
   }
   run.scene = open_scene(scene_folder);
   run.scene.ignored = ignored_classes(run.scene.labels, run.config.data.ignore);

@@ -92,6 +92,11 @@ TEST_F(OpenedRunTest, AFolderThatIsMissingIsTold) {
   }
 }
 
+TEST_F(OpenedRunTest, SettingsThatAreMissingAreTold) {
+  fs::remove(RunFolder(run_).config());
+  EXPECT_THAT(refusal(), HasSubstr("the settings of this run are missing"));
+}
+
 TEST_F(OpenedRunTest, ASceneThatWasMovedIsAskedFor) {
   fs::rename(base_ / "base", base_ / "moved");
   EXPECT_THAT(refusal(), HasSubstr("--scene"));
