@@ -98,6 +98,32 @@ TEST_F(RoomCommand, PlansAreWrittenBesideTheRun) {
       << "the name says another format";
 }
 
+TEST_F(RoomCommand, PlansFollowTheEdits) {
+  const auto objects_of_plan = [&](const std::string& options) -> size_t {
+    const ProcessResult made = on_run("export", "--json -f plan.svg " + options);
+    EXPECT_EQ(made.status, 0) << made.err;
+    return parse_json(made.out)["objects"].get<size_t>();
+  };
+  const std::vector<MeasuredBox> boxes = read_room(run_ / "room.json").boxes;
+  ASSERT_FALSE(boxes.empty());
+  EXPECT_EQ(objects_of_plan(""), boxes.size());
+  ASSERT_EQ(on_run("edit", "--select " + boxes[0].class_name + " --delete").status, 0);
+  EXPECT_LT(objects_of_plan(""), boxes.size());
+  EXPECT_EQ(objects_of_plan("--original"), boxes.size());
+  EXPECT_EQ(read_room(run_ / "room.json").boxes.size(), boxes.size()) << "the file is as it was measured";
+}
+
+TEST_F(RoomCommand, AnOlderRoomJsonIsNoPlanOfTheEdits) {
+  MeasuredRoom room = read_room(run_ / "room.json");
+  ASSERT_FALSE(room.boxes.empty());
+  for (MeasuredBox& box : room.boxes) box.shown.reset();
+  write_room(run_ / "room.json", room);
+  ASSERT_EQ(on_run("edit", "--select bed --recolor red").status, 0);
+  const ProcessResult made = on_run("export", "--json -f plan.svg");
+  EXPECT_EQ(parse_json(made.out)["edits"], 0);
+  EXPECT_THAT(made.err, HasSubstr("aligngs room"));
+}
+
 TEST_F(RoomCommand, WithoutRoomJsonThereIsNoPlanAndNoScale) {
   fs::remove(run_ / "room.json");
   const ProcessResult plan = on_run("export", "-f plan.svg");

@@ -60,16 +60,6 @@ void scale_lengths(std::vector<PlanLine>& lines, double factor) {
   for (PlanLine& line : lines) line.offset *= factor;
 }
 
-bool inside(const std::vector<MeasuredWall>& walls, const Vec2d& p) {
-  bool in = false;
-  for (const MeasuredWall& w : walls) {
-    if ((w.from.y > p.y) != (w.to.y > p.y) &&
-        p.x < w.from.x + (p.y - w.from.y) / (w.to.y - w.from.y) * (w.to.x - w.from.x))
-      in = !in;
-  }
-  return in;
-}
-
 /// Share of the outline's area with a surface of a kind above it.
 template <class Is>
 double area_seen(const std::vector<MeasuredWall>& walls, const std::vector<SeenRay>& rays, double cell, Is&& is) {
@@ -91,7 +81,7 @@ double area_seen(const std::vector<MeasuredWall>& walls, const std::vector<SeenR
   size_t all = 0, shown = 0;
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
-      if (!inside(walls, {low.x + (x + 0.5) * cell, low.y + (y + 0.5) * cell})) continue;
+      if (!is_inside(walls, {low.x + (x + 0.5) * cell, low.y + (y + 0.5) * cell})) continue;
       ++all;
       shown += seen[static_cast<size_t>(y) * static_cast<size_t>(columns) + static_cast<size_t>(x)];
     }
@@ -269,7 +259,7 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   }
   room.boxes = find_boxes(join_pieces(std::move(objects)), {room.walls, std::move(rays), room.height}, s.furniture);
   // A box outside is a mirror image, or seen through a pane.
-  std::erase_if(room.boxes, [&room](const MeasuredBox& box) { return !inside(room.walls, box.centre); });
+  std::erase_if(room.boxes, [&room](const MeasuredBox& box) { return !is_inside(room.walls, box.centre); });
   room.metric = inputs.metres_per_unit.has_value();
   room.scale_source = room.metric ? inputs.scale_source : ScaleSource::kUnknown;
   return room.metric ? room : rescaled(std::move(room), 1 / metre);

@@ -239,6 +239,7 @@ std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, co
       if (!fit_box(object, square, box)) continue;
     }
     for (const MeasuredWall& wall : around.walls) cut_back(box, wall, settings.in_wall);
+    box.shown = ShownBox{box.centre, box.width, box.depth, box.bottom, box.top, box.turn};
     out.push_back(std::move(box));
     sources.push_back(&object);
   }

@@ -81,6 +81,16 @@ std::vector<Vec2d> footprint(const MeasuredBox& box) {
   return out;
 }
 
+bool is_inside(const std::vector<MeasuredWall>& walls, const Vec2d& p) {
+  bool in = false;
+  for (const MeasuredWall& w : walls) {
+    if ((w.from.y > p.y) != (w.to.y > p.y) &&
+        p.x < w.from.x + (p.y - w.from.y) / (w.to.y - w.from.y) * (w.to.x - w.from.x))
+      in = !in;
+  }
+  return in;
+}
+
 MeasuredRoom rescaled(MeasuredRoom room, double factor) {
   const auto scale = [factor](Vec2d& p) { p = {p.x * factor, p.y * factor}; };
   for (MeasuredWall& w : room.walls) {
@@ -94,6 +104,9 @@ MeasuredRoom rescaled(MeasuredRoom room, double factor) {
   for (MeasuredBox& b : room.boxes) {
     scale(b.centre);
     for (double* length : {&b.width, &b.depth, &b.bottom, &b.top}) *length *= factor;
+    if (!b.shown) continue;
+    scale(b.shown->centre);
+    for (double* length : {&b.shown->width, &b.shown->depth, &b.shown->bottom, &b.shown->top}) *length *= factor;
   }
   for (CeilingPlane& p : room.ceiling) p.offset *= factor;
   room.height *= factor;

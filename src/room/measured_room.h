@@ -54,17 +54,24 @@ struct MeasuredOpening {
   double confidence = 0;       ///< share of those votes that agree
 };
 
+/// The box of the points of a thing, without parts that no photo shows.
+struct ShownBox {
+  Vec2d centre;
+  double width = 0, depth = 0, bottom = 0, top = 0, turn = 0;  ///< as of MeasuredBox
+};
+
 /// An upright box of a piece of furniture.
 struct MeasuredBox {
   std::string class_name;
   int instance = 0;  ///< number within its class, from 1
   Vec2d centre;
-  double width = 0, depth = 0;  ///< along the box's own x and y
-  double bottom = 0, top = 0;   ///< heights above the floor
-  double turn = 0;              ///< degrees from the room's x to the box's x, in [0, 180)
-  std::string support;          ///< "floor", "wall", "ceiling", the name of another box, or "unknown"
-  double seen = 0;              ///< share of the four sides and the top that has points near it
-  double confidence = 0;        ///< mean probability of the class
+  double width = 0, depth = 0;         ///< along the box's own x and y
+  double bottom = 0, top = 0;          ///< heights above the floor
+  double turn = 0;                     ///< degrees from the room's x to the box's x, in [0, 180)
+  std::string support;                 ///< "floor", "wall", "ceiling", the name of another box, or "unknown"
+  double seen = 0;                     ///< share of the four sides and the top that has points near it
+  double confidence = 0;               ///< mean probability of the class
+  std::optional<ShownBox> shown = {};  ///< absent in files of earlier programs
 };
 
 /// A piece of the ceiling: normal . x + offset = 0 in the room's frame, the normal downwards.
@@ -99,6 +106,9 @@ struct MeasuredRoom {
 std::string wall_name(size_t index);
 std::string opening_name(const MeasuredRoom& room, size_t index);
 std::string box_name(const MeasuredBox& box);
+
+/// Whether a place of the plan is within a closed outline.
+bool is_inside(const std::vector<MeasuredWall>& walls, const Vec2d& p);
 
 /// Whether a place of the plan is on a box seen from above.
 bool is_within(const MeasuredBox& box, const Vec2d& p);

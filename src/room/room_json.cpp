@@ -70,15 +70,22 @@ Json opening_json(const MeasuredRoom& room, size_t index) {
 }
 
 Json box_json(const MeasuredBox& b) {
-  return {{"id", box_name(b)},
-          {"class", b.class_name},
-          {"instance", b.instance},
-          {"centre", point(Vec3d{b.centre.x, b.centre.y, (b.bottom + b.top) / 2})},
-          {"size", point(Vec3d{b.width, b.depth, b.top - b.bottom})},
-          {"turn", b.turn},
-          {"support", b.support},
-          {"seen", b.seen},
-          {"confidence", b.confidence}};
+  Json out = {{"id", box_name(b)},
+              {"class", b.class_name},
+              {"instance", b.instance},
+              {"centre", point(Vec3d{b.centre.x, b.centre.y, (b.bottom + b.top) / 2})},
+              {"size", point(Vec3d{b.width, b.depth, b.top - b.bottom})},
+              {"turn", b.turn},
+              {"support", b.support},
+              {"seen", b.seen},
+              {"confidence", b.confidence}};
+  if (b.shown) {
+    const ShownBox& s = *b.shown;
+    out["shown"] = {{"centre", point(Vec3d{s.centre.x, s.centre.y, (s.bottom + s.top) / 2})},
+                    {"size", point(Vec3d{s.width, s.depth, s.top - s.bottom})},
+                    {"turn", s.turn}};
+  }
+  return out;
 }
 
 Json matrix(const Similarity& s) {
@@ -235,10 +242,9 @@ MeasuredOpening read_opening(const Reader& reader, const Json& json, size_t wall
   return o;
 }
 
-MeasuredBox read_box(const Reader& reader, const Json& json) {
-  MeasuredBox b;
-  b.class_name = reader.text(json, "class");
-  b.instance = reader.integer(json, "instance");
+/// Place, size and turn of a box.
+ShownBox read_plain_box(const Reader& reader, const Json& json) {
+  ShownBox b;
   const Json &centre = reader.list(json, "centre", 3), &size = reader.list(json, "size", 3);
   double c[3], s[3];
   for (size_t k = 0; k < 3; ++k) c[k] = reader.number_of(centre[k], "centre"), s[k] = reader.number_of(size[k], "size");
@@ -248,6 +254,21 @@ MeasuredBox read_box(const Reader& reader, const Json& json) {
   b.bottom = c[2] - s[2] / 2;
   b.top = c[2] + s[2] / 2;
   b.turn = reader.number(json, "turn");
+  return b;
+}
+
+MeasuredBox read_box(const Reader& reader, const Json& json) {
+  MeasuredBox b;
+  b.class_name = reader.text(json, "class");
+  b.instance = reader.integer(json, "instance");
+  const ShownBox whole = read_plain_box(reader, json);
+  b.centre = whole.centre;
+  b.width = whole.width;
+  b.depth = whole.depth;
+  b.bottom = whole.bottom;
+  b.top = whole.top;
+  b.turn = whole.turn;
+  if (json.contains("shown")) b.shown = read_plain_box(reader, reader.member(json, "shown"));
   b.support = reader.text(json, "support");
   b.seen = reader.number(json, "seen");
   b.confidence = reader.number(json, "confidence");

@@ -39,6 +39,19 @@ TEST_F(RoomJson, WhatIsWrittenIsRead) {
   EXPECT_EQ(room_json(read_room(file_)), room_json(room));
 }
 
+TEST_F(RoomJson, TheBoxOfThePointsIsKept) {
+  MeasuredRoom room = sample_room::make();
+  ASSERT_FALSE(room.boxes.empty());
+  room.boxes[0].shown = ShownBox{{1, 2}, 0.5, 0.25, 0.1, 0.9, 30};
+  write_room(file_, room);
+  const MeasuredBox box = read_room(file_).boxes[0];
+  ASSERT_TRUE(box.shown);
+  EXPECT_NEAR(box.shown->centre.y, 2, 1e-5);
+  EXPECT_NEAR(box.shown->depth, 0.25, 1e-5);
+  EXPECT_NEAR(box.shown->bottom, 0.1, 1e-5);
+  EXPECT_NEAR(rescaled(read_room(file_), 2).boxes[0].shown->top, 1.8, 1e-5);
+}
+
 TEST_F(RoomJson, AScaleThatWasTakenBackLeavesTheMeasures) {
   const MeasuredRoom room = sample_room::make();
   write_room(file_, room);

@@ -4,8 +4,10 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "edit/export/aligned_room.h"
 #include "edit/export/chosen_objects.h"
+#include "edit/export/followed_room.h"
 #include "edit/export/moved_room.h"
 #include "gaussians/instances.h"
 #include "room/plan/plan_files.h"
@@ -88,6 +90,33 @@ struct ChosenRoom {
   std::optional<EditableRoom> chosen;
 };
 
+/// A description of the room as the edits left it; nothing, with a warning where there are edits, for a file of an
+/// earlier program.
+std::optional<MeasuredRoom> with_edits(EditSession& session, const MeasuredRoom& measured, bool original) {
+  if (!session.original().gaussians.has_labels()) return measured;  // no thing has a name or a box
+  const EditableRoom& room = original ? session.original() : session.room();
+  std::optional<MeasuredRoom> followed = followed_room(measured, session.original(), room, session.pool());
+  if (!followed && !session.stack().empty()) {
+    log_warning(
+        "{} was written by an earlier program, so that its furniture does not follow the edits. Write it again: "
+        "aligngs room {}",
+        (session.folder() / "room.json").string(), session.folder().string());
+  }
+  return followed;
+}
+
+/// room.json with the edits as text; empty where the page takes the file itself.
+std::string edited_room_text(EditSession& session, bool original) {
+  if (session.stack().empty() || original) return {};
+  try {
+    return room_with_edits(session).value_or("");
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    log_warning("the plan of the page is that of the file: {}", error.what());
+    return {};
+  }
+}
+
 HtmlSceneInfo html_info(const EditSession& session) {
   const std::filesystem::path& run = session.folder();
   HtmlSceneInfo info;
@@ -141,15 +170,20 @@ RunExport export_run(EditSession& session, const std::string& name, const RunExp
   const std::optional<MeasuredRoom> measured = moves || format.plan ? room_of(session.folder()) : std::nullopt;
   if (format.plan) {
     if (!measured) refuse_missing_room(session.folder());
-    write_plan(out.file, *format.plan, *measured);
-    out.report = {.files = {out.file}, .objects = measured->boxes.size()};
+    const std::optional<MeasuredRoom> followed = with_edits(session, *measured, options.original);
+    if (!followed) out.edits = 0;  // the file does not have them
+    const MeasuredRoom& drawn = followed ? *followed : *measured;
+    write_plan(out.file, *format.plan, drawn);
+    out.report = {.files = {out.file}, .objects = drawn.boxes.size()};
     return out;
   }
   const ChosenRoom chosen(session, options);
   const EditableRoom& room = chosen.room();
   if (format.kind == ExportKind::kPage) {
     const HtmlParts parts = html_parts(session, options, chosen);
-    const HtmlReport written = write_html(out.file, parts, html_info(session), session.pool());
+    HtmlSceneInfo info = html_info(session);
+    info.room_text = edited_room_text(session, options.original);
+    const HtmlReport written = write_html(out.file, parts, info, session.pool());
     out.before = parts.before != nullptr;
     out.report = {.files = {out.file},
                   .gaussians = written.gaussians,
@@ -200,6 +234,12 @@ RunExport export_run(EditSession& session, const std::string& name, const RunExp
 HtmlSize estimate_html_export(EditSession& session, const RunExportOptions& options) {
   const ChosenRoom chosen(session, options);
   return estimate_html(html_parts(session, options, chosen), html_info(session));
+}
+
+std::optional<std::string> room_with_edits(EditSession& session) {
+  const std::optional<MeasuredRoom> measured = room_of(session.folder());
+  if (!measured) return std::nullopt;
+  return room_json(with_edits(session, *measured, false).value_or(*measured));
 }
 
 }  // namespace aligngs

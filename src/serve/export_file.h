@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,5 +92,9 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
 
 /// Size that export_run's html would have, before it is written. Errors as export_run's.
 HtmlSize estimate_html_export(EditSession& session, const RunExportOptions& options = {});
+
+/// room.json of a run with its edits as text; that of the file where its furniture cannot follow them. Nothing without a
+/// room.json. Error{kBadInput} for a damaged one.
+std::optional<std::string> room_with_edits(EditSession& session);
 
 }  // namespace aligngs

@@ -170,7 +170,8 @@ std::string packed_scene(const HtmlParts& parts, const HtmlSceneInfo& info) {
   const std::vector<uint32_t> rows = visible_rows(stored.gaussians.model);
   const SplatColumns columns = columns_of(stored, rows);
   const bool meshes = parts.mesh && !room.mesh.empty();
-  const OrderedJson measured = run_json(info.room), cameras = run_json(info.cameras);
+  const OrderedJson measured = info.room_text.empty() ? run_json(info.room) : parse_ordered_json(info.room_text),
+                    cameras = run_json(info.cameras);
   OrderedJson state = {{"name", info.name},
                        {"status", "exported"},
                        {"version", std::to_string(std::hash<std::string_view>()(columns.data()))},

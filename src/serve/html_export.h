@@ -15,6 +15,7 @@ struct HtmlSceneInfo {
   bool metric = false;            ///< the scene's units are metres
   std::filesystem::path cameras;  ///< cameras.json of the run; left out when it cannot be read
   std::filesystem::path room;     ///< room.json of the run, for the plan and sizes; left out when it cannot be read
+  std::string room_text;          ///< the content of room.json with the edits; empty: that of the file
   std::filesystem::path notes;    ///< page.json of the run (page_notes.h); may be absent, Error{kBadInput} when damaged
 };
 

@@ -81,9 +81,10 @@ async function readState(): Promise<RunState> {
 }
 
 /// room.json of the run; null when it cannot be read.
-export async function fetchRoom(path: string, version: string): Promise<unknown> {
+/// `edited`: as the edits of the run left it.
+export async function fetchRoom(path: string, version: string, edited: boolean): Promise<unknown> {
   if (kExported) return exported!.room;
-  const answer = await request(fileUrl(path, version));
+  const answer = await request(edited ? `/api/edits/room.json?v=${encodeURIComponent(version)}` : fileUrl(path, version));
   return answer.ok ? answer.json() : null;
 }
 

@@ -117,7 +117,8 @@ export class Page {
       this.viewer.setUp(s.up ? new Vec3(...s.up) : upOf(s.cameras ?? []));
       this.notes.open(s);
       this.path.restore(s.name);
-      this.planned = this.plan.refresh(s.room, s.room_version ?? s.version).then((other) => { if (other) this.showScale(); }).catch(() => {});
+      const followed = s.edited && s.editable; // the plan has the edits
+      this.planned = this.plan.refresh(s.room, `${s.room_version ?? s.version}${followed ? s.edits : ''}`, followed).then((other) => { if (other) this.showScale(); }).catch(() => {});
       await this.loadShown();
       element<HTMLButtonElement>('show-mesh').disabled = !s.mesh;
       if (s.problems.length > 0) this.messages.show(`The run has files that cannot be read: ${s.problems.join('; ')}.`, 'error');

@@ -48,11 +48,11 @@ export class Plan {
   get given(): boolean { return this.room?.scale.source === 'given'; }
 
   /// Reads room.json when it is another one, and tells whether it was; the plan's button is there only with it.
-  async refresh(path: string | null, version: string): Promise<boolean> {
+  async refresh(path: string | null, version: string, edited: boolean): Promise<boolean> {
     element('plan-button').hidden = !path;
     if (!path) { const had = this.room !== null; this.room = null; this.sizes.clear(); this.loaded = ''; return had; }
     if (this.loaded === version) return false;
-    const room = await fetchRoom(path, version);
+    const room = await fetchRoom(path, version, edited);
     if (!room) return false;
     this.room = room as RoomFile;
     this.loaded = version;

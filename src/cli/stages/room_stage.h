@@ -9,9 +9,6 @@
 
 namespace aligngs {
 
-/// Surface points of the furniture of a room: vertices of its mesh, or where there is none centres of its Gaussians.
-std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool& pool);
-
 /// Describes the room of a run as its training views show it after training, with `objects` as its furniture. A run
 /// without labels has walls, floor and ceiling alone. Errors as find_room's and find_unlabelled_room's.
 MeasuredRoom describe_room(LoadedRun& run, std::vector<ObjectPoints> objects);
