@@ -218,16 +218,16 @@ std::optional<double> EditSession::metres_of_unit() const {
 }
 
 EditRequest EditSession::understand(std::string_view text) const {
+  const Vocabulary vocabulary = vocabulary_of(room());
+  EditRequest request = read_request(text, vocabulary);
+  if (request.undo) return request;
   try {
-    EditRequest request = parse_request(text);
-    if (request.undo) return request;
-    parse_selection(request.edit.select, vocabulary_of(room()));
     const bool in_metres = request.edit.motion.in_metres;
     settle_motion(room(), in_metres ? metres_of_unit() : std::nullopt, request.edit);
     return request;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;
-    throw with_readings(error, text, vocabulary_of(room()));
+    throw with_readings(error, text, vocabulary);
   }
 }
 

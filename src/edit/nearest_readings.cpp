@@ -165,4 +165,15 @@ Error with_readings(const Error& error, std::string_view text, const Vocabulary&
   return Error(details);
 }
 
+EditRequest read_request(std::string_view text, const Vocabulary& vocabulary) {
+  try {
+    EditRequest request = parse_request(text);
+    if (!request.undo) parse_selection(request.edit.select, vocabulary);
+    return request;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kUsage) throw;
+    throw with_readings(error, text, vocabulary);
+  }
+}
+
 }  // namespace aligngs

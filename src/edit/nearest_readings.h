@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "edit/edit_text.h"
 #include "edit/vocabulary.h"
 
 namespace aligngs {
@@ -16,5 +17,9 @@ std::vector<std::string> nearest_readings(std::string_view text, const Vocabular
 
 /// The error of a sentence that was not understood, with its nearest readings as the remedy.
 Error with_readings(const Error& error, std::string_view text, const Vocabulary& vocabulary);
+
+/// Reads a sentence (edit_text.h) and the names of its selection. Error{kUsage} with the nearest readings for what is not
+/// understood.
+EditRequest read_request(std::string_view text, const Vocabulary& vocabulary);
 
 }  // namespace aligngs

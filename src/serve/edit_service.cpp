@@ -7,6 +7,8 @@
 #include "core/error.h"
 #include "core/free_memory.h"
 #include "edit/edit_text.h"
+#include "edit/named_selection.h"
+#include "edit/nearest_readings.h"
 #include "edit/report_json.h"
 #include "io/base64.h"
 #include "io/image_file.h"
@@ -53,6 +55,9 @@ std::string files_of(const fs::path& run) {
   return all;
 }
 
+/// Also what the list of formats depends on.
+std::string files_of_list(const fs::path& run) { return files_of(run) + file_version(run / "room.json"); }
+
 /// A page names objects beside its run only: what it asks for never leads elsewhere in the file system.
 EditOperation beside_run(EditOperation edit, const fs::path& run) {
   if (edit.kind != EditKind::kReplace) return edit;
@@ -98,6 +103,7 @@ EditSession& EditService::opened() {
     session_ = std::make_unique<EditSession>(options_.run, EditSessionOptions{options_.scene, options_.threads});
     give_back_free_memory();
     opened_ = files;
+    keep_snapshot({});
     tell_changed();
   }
   session_->selections();  // those that another process changed are known before a sentence is read
@@ -120,7 +126,48 @@ Json EditService::stack() {
   return {{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", formats}};
 }
 
-std::string EditService::list() { return json_line(stack()); }
+std::string EditService::list() {
+  std::string text = json_line(stack());
+  keep_snapshot(text);
+  return text;
+}
+
+void EditService::keep_snapshot(std::string list) {
+  auto kept = std::make_shared<const Snapshot>(
+      Snapshot{opened_ + file_version(options_.run / "room.json"), vocabulary_of(session_->room()), std::move(list)});
+  const std::lock_guard guard(snapshot_guard_);
+  snapshot_ = std::move(kept);
+}
+
+std::shared_ptr<const EditService::Snapshot> EditService::snapshot() const {
+  std::shared_ptr<const Snapshot> kept;
+  {
+    const std::lock_guard guard(snapshot_guard_);
+    kept = snapshot_;
+  }
+  const bool valid = kept && !RunControl(options_.run).active() && files_of_list(options_.run) == kept->files;
+  return valid ? kept : nullptr;
+}
+
+std::optional<GetAnswer> EditService::listed_before() const {
+  const auto kept = snapshot();
+  if (!kept || kept->list.empty()) return {};
+  return GetAnswer{"application/json", kept->list, {}, {}};
+}
+
+void EditService::require_readable(const std::string& request) const {
+  const std::string text = text_fields(request, {"edit"})["edit"].get<std::string>();
+  const auto kept = snapshot();
+  if (!kept) return;
+  Vocabulary vocabulary = kept->vocabulary;
+  try {
+    for (const NamedSelection& s : read_named_selections(named_selections_file(options_.run)))
+      vocabulary.add_selection(s.name);
+  } catch (const Error&) {
+    return;  // the edit itself tells what is wrong with the file
+  }
+  read_request(text, vocabulary);
+}
 
 std::string EditService::preview(const std::string& request) {
   const std::string text = text_fields(request, {"edit"})["edit"].get<std::string>();
@@ -146,6 +193,7 @@ std::string EditService::listed(const char* what, const Json& value) {
   opened_ = files_of(options_.run);
   tell_changed();
   Json answer = stack();
+  keep_snapshot(json_line(answer));
   answer[what] = value;
   return json_line(answer);
 }
@@ -226,6 +274,18 @@ std::optional<GetAnswer> EditService::mesh() {
   return GetAnswer{"application/octet-stream", {}, std::make_shared<const std::string>(mesh_ply(mesh)), {}};
 }
 
+std::optional<GetAnswer> EditService::room() {
+  EditSession& s = session();
+  const std::string files = files_of_list(options_.run);
+  if (room_.empty() || files != room_files_) {
+    const std::optional<std::string> text = room_with_edits(s);
+    if (!text) return {};
+    room_ = *text;
+    room_files_ = files;
+  }
+  return GetAnswer{"application/json", room_, {}, {}};
+}
+
 std::string EditService::lean(std::string (EditService::*call)(const std::string&), const std::string& request) {
   struct GiveBack {
     ~GiveBack() { give_back_free_memory(); }
@@ -237,8 +297,12 @@ void EditService::serve(ViewServerOptions& options) {
   options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> {
     return GetAnswer{"application/json", list(), {}, {}};
   };
+  options.snapshots["/api/edits"] = [this](const std::string&) { return listed_before(); };
+  for (const char* words : {"/api/edits/preview", "/api/edits/push"})
+    options.checks[words] = [this](const std::string& body) { require_readable(body); };
   options.get["/api/edits/scene/"] = [this](const std::string& path) { return scene(path); };
   options.get["/api/edits/mesh.ply"] = [this](const std::string&) { return mesh(); };
+  options.get["/api/edits/room.json"] = [this](const std::string&) { return room(); };
   const auto post = [&](const char* path, std::string (EditService::*call)(const std::string&)) {
     options.post[path] = [this, call](const std::string& body) { return lean(call, body); };
   };
@@ -251,6 +315,7 @@ void EditService::serve(ViewServerOptions& options) {
 }
 
 void serve_control(const fs::path& run, ViewServerOptions& options, std::function<void()> stop_asked) {
+  options.prompt.insert("/api/control");  // it speaks to a training by files, and to the program by an atomic flag
   options.post["/api/control"] = [run, stop_asked](const std::string& body) -> std::string {
     using Flag = RunControl::Flag;
     const std::string action = text_fields(body, {"action"})["action"].get<std::string>();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "edit/edit_session.h"
+#include "edit/vocabulary.h"
 #include "serve/edited_scene.h"
 #include "serve/view_server.h"
 
@@ -28,7 +29,7 @@ struct EditServiceOptions {
   std::function<void(const EditableRoom& room)> changed;
 };
 
-/// One call at a time. The run is opened at the first call, and again when another process changed its files (a resumed
+/// One call at a time, but for the two that say otherwise. The run is opened at the first call, and again when another process changed its files (a resumed
 /// training, `aligngs edit` on the command line). Errors: kUsage while a process works on the run and for requests that
 /// make no sense, otherwise those of EditSession.
 class EditService {
@@ -42,6 +43,12 @@ class EditService {
   /// {"edits": ["delete pillow", ...], "redo": [...], "objects": [{"object", "class_id", "instance", "gaussians",
   /// "centre"}], "formats": [...]}; "redo" holds what undo took back, the next one first.
   std::string list();
+  /// list() as it was after the last change, where nothing has changed since. It waits for no other call, and may be
+  /// called beside them.
+  std::optional<GetAnswer> listed_before() const;
+  /// Error{kUsage} for {"edit": TEXT} whose words cannot be read. It waits for no other call, and may be called beside
+  /// them. Words pass while the room is not known.
+  void require_readable(const std::string& request) const;
   /// {"edit": TEXT (edit_text.h)} -> the report (report_json.h) with "view" and "picture", a PNG as data URL, before on
   /// the left. Nothing is written.
   std::string preview(const std::string& request);
@@ -61,12 +68,15 @@ class EditService {
   std::optional<GetAnswer> scene(const std::string& path);
   /// The edited mesh as PLY; nothing when the run has none.
   std::optional<GetAnswer> mesh();
+  /// room.json with the edits; nothing when the run has none.
+  std::optional<GetAnswer> room();
 
   /// The open run, as its files are now.
   EditSession& session();
 
-  /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, POST /api/edits/{preview,push,undo,redo},
-  /// /api/export and /api/export/size. The service must outlive the server.
+  /// Adds GET /api/edits, also as a snapshot, /api/edits/scene/, /api/edits/mesh.ply and /api/edits/room.json. Adds POST
+  /// /api/edits/{preview,push,undo,redo}, /api/export and /api/export/size, and checks of words. The service must outlive
+  /// the server.
   void serve(ViewServerOptions& options);
 
  private:
@@ -79,11 +89,23 @@ class EditService {
   /// list() after a change of the stack, with one more field.
   std::string listed(const char* what, const nlohmann::json& value);
 
+  /// The room as the last call left it.
+  struct Snapshot {
+    std::string files;      ///< versions of what it depends on
+    Vocabulary vocabulary;  ///< without selections that came later
+    std::string list;       ///< of list(); empty: nobody has asked yet
+  };
+  std::shared_ptr<const Snapshot> snapshot() const;  ///< null where files have changed since
+  void keep_snapshot(std::string list);
+
   EditServiceOptions options_;
   std::unique_ptr<EditSession> session_;
   std::string opened_;               ///< versions of the files that the session read
   std::vector<EditOperation> redo_;  ///< taken back, the latest last
-  std::jthread ahead_;               // last: ends before what it uses
+  std::string room_, room_files_;    ///< what room() last gave, and the versions of what it depends on
+  mutable std::mutex snapshot_guard_;
+  std::shared_ptr<const Snapshot> snapshot_;  ///< under snapshot_guard_
+  std::jthread ahead_;                        // last: ends before what it uses
 };
 
 /// POST /api/control {"action": "pause" | "resume" | "checkpoint" | "stop"}: speaks to the training of an active run

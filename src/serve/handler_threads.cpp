@@ -17,7 +17,7 @@ Error error_of(const std::exception_ptr& failure) {
 }
 
 HandlerThreads::~HandlerThreads() {
-  for (net::thread_pool* pool : {&workers_, &compressors_}) {
+  for (net::thread_pool* pool : {&workers_, &compressors_, &prompt_}) {
     pool->stop();
     pool->join();
   }

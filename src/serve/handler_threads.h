@@ -25,6 +25,12 @@ class Counted {
 /// Failure of a handler, as an error for the page.
 Error error_of(const std::exception_ptr& failure);
 
+/// Handlers of one lane run one after the other.
+enum class HandlerLane {
+  kInTurn,  ///< those that may take long
+  kPrompt   ///< those that answer at once, whatever the others do
+};
+
 class HandlerThreads {
  public:
   HandlerThreads() = default;
@@ -33,20 +39,21 @@ class HandlerThreads {
   HandlerThreads(const HandlerThreads&) = delete;
   HandlerThreads& operator=(const HandlerThreads&) = delete;
 
-  /// Runs a handler; what it throws becomes an answer. Handlers run one after the other; when too many wait the answer
-  /// is status 503.
+  /// Runs a handler; what it throws becomes an answer. When too many of its lane wait the answer is status 503.
   template <class Result, class Work>
   net::awaitable<std::optional<Result>> handled(const Request& request, const Work& work,
-                                                std::optional<HttpAnswer>& failed) {
-    if (waiting_ >= kMostWaiting) {
+                                                std::optional<HttpAnswer>& failed,
+                                                HandlerLane lane = HandlerLane::kInTurn) {
+    size_t& waiting = waiting_[static_cast<size_t>(lane)];
+    if (waiting >= kMostWaiting) {
       failed = refusal(request, http::status::service_unavailable, "too many requests wait");
       co_return std::nullopt;
     }
-    const Counted turn(waiting_);
+    const Counted turn(waiting);
     std::exception_ptr failure;
     std::optional<Result> result;
     try {
-      result = co_await run_on<Result>(workers_, work);
+      result = co_await run_on<Result>(lane == HandlerLane::kPrompt ? prompt_ : workers_, work);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -69,8 +76,8 @@ class HandlerThreads {
         pool.get_executor(), [&work]() -> net::awaitable<Result> { co_return work(); }, net::use_awaitable);
   }
 
-  size_t waiting_ = 0;
-  net::thread_pool compressors_{1}, workers_{1};
+  size_t waiting_[2] = {0, 0};  ///< by lane
+  net::thread_pool compressors_{1}, workers_{1}, prompt_{1};
 };
 
 }  // namespace aligngs

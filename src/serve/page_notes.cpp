@@ -123,9 +123,14 @@ PageNotes notes_of_request(const std::string& body) {
 }  // namespace
 
 void serve_notes(const fs::path& run, ViewServerOptions& options) {
+  options.prompt.insert("/api/notes");  // page.json is of no other handler
   options.post["/api/notes"] = [run](const std::string& body) -> std::string {
     const PageNotes notes = notes_of_request(body);
     require_plain_run(run);
+    if (!fs::is_directory(run)) {
+      throw_bad_input(run, {}, "the run folder is no longer there, so that nothing is kept",
+                      "put the folder back, or end this server");
+    }
     write_file_atomically(run / "page.json", json_document(page_notes_json(notes)));
     return "{}";
   };

@@ -86,5 +86,14 @@ TEST(PageNotes, ThePageWritesThem) {
   EXPECT_EQ(page_notes_of_run(run).views.at(0).name, "bed") << "a refused request changes nothing";
 }
 
+TEST(PageNotes, AFolderThatIsGoneStaysGone) {
+  const fs::path run = fs::path(testing::TempDir()) / "aligngs_page_notes_gone";
+  fs::remove_all(run);
+  ViewServerOptions options;
+  serve_notes(run, options);
+  EXPECT_THROW(options.post.at("/api/notes")(kText), Error);
+  EXPECT_FALSE(fs::exists(run));
+}
+
 }  // namespace
 }  // namespace aligngs

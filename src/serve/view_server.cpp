@@ -78,10 +78,19 @@ struct ViewServer::State {
 
   awaitable<HttpAnswer> post(const Request& request, const std::string& path) {
     if (const auto fault = json_fault(request.body())) co_return refusal(request, http::status::bad_request, *fault);
+    std::optional<HttpAnswer> failed;
+    if (const auto check = options.checks.find(path); check != options.checks.end()) {
+      const auto look = [&look_at = check->second, &request] {
+        look_at(request.body());
+        return true;
+      };
+      co_await threads.handled<bool>(request, look, failed, HandlerLane::kPrompt);
+      if (failed) co_return std::move(*failed);
+    }
     const PostHandler& call = options.post.find(path)->second;
     const auto work = [&call, &request] { return call(request.body()); };
-    std::optional<HttpAnswer> failed;
-    std::optional<std::string> body = co_await threads.handled<std::string>(request, work, failed);
+    const HandlerLane lane = options.prompt.contains(path) ? HandlerLane::kPrompt : HandlerLane::kInTurn;
+    std::optional<std::string> body = co_await threads.handled<std::string>(request, work, failed, lane);
     if (failed) co_return std::move(*failed);
     co_return text_answer(request, http::status::ok, std::move(*body), "application/json");
   }
@@ -97,11 +106,20 @@ struct ViewServer::State {
     return nullptr;
   }
 
-  awaitable<HttpAnswer> get_answer(const Request& request, const GetHandler& handler, const std::string& name) {
-    const auto work = [&handler, &name] { return handler(name); };
+  awaitable<HttpAnswer> get_answer(const Request& request, const std::string& path, const GetHandler& handler,
+                                   const std::string& name) {
     std::optional<HttpAnswer> failed;
-    auto found = co_await threads.handled<std::optional<GetAnswer>>(request, work, failed);
-    if (failed) co_return std::move(*failed);
+    std::optional<std::optional<GetAnswer>> found;
+    if (const auto snapshot = options.snapshots.find(path); snapshot != options.snapshots.end()) {
+      const auto look = [&take = snapshot->second, &name] { return take(name); };
+      found = co_await threads.handled<std::optional<GetAnswer>>(request, look, failed, HandlerLane::kPrompt);
+      if (failed) co_return std::move(*failed);
+    }
+    if (!found || !*found) {
+      const auto work = [&handler, &name] { return handler(name); };
+      found = co_await threads.handled<std::optional<GetAnswer>>(request, work, failed);
+      if (failed) co_return std::move(*failed);
+    }
     if (!*found) co_return refusal(request, http::status::not_found, "not found");
     GetAnswer& given = **found;
     if (!given.bytes) co_return text_answer(request, http::status::ok, std::move(given.body), given.type);
@@ -196,7 +214,9 @@ struct ViewServer::State {
     if (path == "/api/events") co_return refusal(request, http::status::service_unavailable, "too many pages are open");
     if (auto file = asked_file(path)) co_return co_await file_answer(request, std::move(*file));
     std::string name;
-    if (const GetHandler* handler = get_handler(path, name)) co_return co_await get_answer(request, *handler, name);
+    if (const GetHandler* handler = get_handler(path, name)) {
+      co_return co_await get_answer(request, path, *handler, name);
+    }
     const std::vector<std::string> first = path == "/" ? run.first_requests() : std::vector<std::string>();
     co_return page_answer(request, path, {options.web_root, first, token});
   }

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,10 @@ struct ViewServerOptions {
   std::filesystem::path web_root;           ///< serve the page from here (for its development); empty: embedded
   std::map<std::string, PostHandler> post;  ///< by path, e.g. "/api/edit"
   std::map<std::string, GetHandler> get;    ///< by path, e.g. "/api/edits", or by its beginning, e.g. "/api/render/"
+  std::set<std::string> prompt;             ///< paths of `post` that do not wait for other handlers
+  /// By path: looks at a body before the turn of its handler, and throws what is answered then.
+  std::map<std::string, std::function<void(const std::string& body)>> checks;
+  std::map<std::string, GetHandler> snapshots;  ///< by path, asked before `get`; nothing: `get` has its turn
   ServerLimits limits;
 };
 
@@ -53,7 +58,8 @@ struct ViewServerOptions {
 /// GET /files/...      files of the run
 /// GET, POST           the handlers of the options, one at a time on a thread of their own; a POST needs Origin absent
 /// or
-///                     this host, a JSON body and X-AlignGS-Token
+///                     this host, a JSON body and X-AlignGS-Token. Handlers that are `prompt`, `checks` and `snapshots` run
+///                     on a second thread, one at a time: they share no data with the other handlers, or lock it
 ///
 /// Downloads have an ETag and take Range, If-Range, If-Match and If-None-Match. Text is compressed once and kept. HEAD
 /// tells the length.

@@ -98,6 +98,23 @@ TEST_F(ViewServerTest, ASlowHandlerDoesNotStopTheOthersAndTheirNumberIsLimited) 
   EXPECT_EQ(refused, 4);
 }
 
+TEST_F(ViewServerTest, WhatIsPromptDoesNotWaitForASlowHandler) {
+  const std::string headers = "Content-Type: application/json\r\nX-AlignGS-Token: " + server_->token() + "\r\n";
+  EXPECT_EQ(body(get("/api/list")), "made") << "without a snapshot the handler answers";
+  has_snapshot_ = true;
+  std::atomic<bool> ended{false};
+  std::thread slow([&] {
+    EXPECT_EQ(status(post("/api/slow", headers, "{}")), 200);
+    ended = true;
+  });
+  EXPECT_EQ(status(post("/api/prompt", headers, "{}")), 200);
+  EXPECT_EQ(status(post("/api/slow", headers, "{\"edit\": \"bad\"}")), 400) << "the check refuses it";
+  EXPECT_EQ(body(get("/api/list")), "kept");
+  EXPECT_FALSE(ended);
+  release_ = true;
+  slow.join();
+}
+
 TEST_F(ViewServerTest, ATrainingIsAskedForSnapshotsOnlyWhileSomebodyLooksOn) {
   const RunLock lock(base_ / "run");
   const fs::path flag = RunControl(base_ / "run").file(RunControl::Flag::kSnapshot);

@@ -41,6 +41,16 @@ class ViewServerTest : public testing::Test {
       while (!release_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       return std::string("{}");
     };
+    options.post["/api/prompt"] = [](const std::string& body) { return body; };
+    options.prompt.insert("/api/prompt");
+    options.checks["/api/slow"] = [](const std::string& body) {
+      if (body.find("bad") != std::string::npos) throw_usage("words that nobody can read");
+    };
+    options.get["/api/list"] = [](const std::string&) { return GetAnswer{"text/plain", "made", {}, {}}; };
+    options.snapshots["/api/list"] = [this](const std::string&) -> std::optional<GetAnswer> {
+      if (!has_snapshot_) return {};
+      return GetAnswer{"text/plain", "kept", {}, {}};
+    };
     options.post["/api/throw"] = [](const std::string&) -> std::string { throw std::runtime_error("a surprise"); };
     options.get["/api/double"] = [this](const std::string&) {
       ++calls_;
@@ -102,7 +112,7 @@ class ViewServerTest : public testing::Test {
   ViewServerOptions options_;
   std::unique_ptr<ViewServer> server_;
   std::thread thread_;
-  std::atomic<bool> stop_{false}, release_{false};
+  std::atomic<bool> stop_{false}, release_{false}, has_snapshot_{false};
   std::atomic<int> calls_{0};  // of the handlers of GET
 };
 
