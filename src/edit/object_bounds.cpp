@@ -29,7 +29,7 @@ struct ObjectSize {
   double size = 0;
 };
 
-ObjectSize size_of(const GaussianModel& model) {
+ObjectSize object_size_of(const GaussianModel& model) {
   ObjectSize out;
   Vec3d sides;
   for (int a = 0; a < 3; ++a) {
@@ -56,7 +56,7 @@ void require_seen(const GaussianModel& model, const std::filesystem::path& file)
 
 void require_object_bounds(const GaussianModel& model, const std::filesystem::path& file, const ObjectBounds& bounds) {
   require_seen(model, file);
-  const ObjectSize object = size_of(model);
+  const ObjectSize object = object_size_of(model);
   if (!(object.size <= bounds.most)) {
     throw_bad_input(file, "x, y, z, scale", fmt::format("the object is {:.3g} units large", object.size),
                     fmt::format("scale it to at most {:.0e} units, as metres or millimetres", bounds.most));

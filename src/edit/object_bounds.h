@@ -7,10 +7,10 @@
 
 namespace aligngs {
 
-/// Lengths are shares of the size of an object. The size is the diagonal of the box of its places without one percent
-/// of strays on each side, and six standard deviations of its middle Gaussian.
+/// Lengths are shares of the size of an object. The size is the diagonal of the box of its places, without one percent
+/// of strays on each side. Six standard deviations of its middle Gaussian are added.
 struct ObjectBounds {
-  /// Of a Gaussian from the middle. Packed formats share their steps out up to the farthest Gaussian of the room.
+  /// From the middle to a Gaussian. Packed formats share their steps out up to the farthest Gaussian of the room.
   double farthest = 100;
   double largest = 10;  ///< standard deviation of a Gaussian: more covers the room
   double step = 1e-3;   ///< between neighbouring 32-bit numbers at the places: more loses the shape

@@ -221,6 +221,14 @@ TEST_F(SceneExport, SpzAndSplatAreSmall) {
 }
 
 /// Harmonics of rooms are small: a standard deviation of 0.02 in the first degree, less in the others.
+TEST_F(SceneExport, SpzTellsOfCoarseSteps) {
+  GaussianModel model = room_.gaussians.model;
+  EXPECT_EQ(coarse_spz_warning(model, 3), "");
+  model.positions[0] = 1e6f;
+  EXPECT_NE(coarse_spz_warning(model, 3).find("the farthest Gaussian is 1e+06 units"), std::string::npos);
+  EXPECT_EQ(coarse_spz_warning(model, 1e6), "") << "fine for a room of that size";
+}
+
 TEST_F(SceneExport, SpzKeepsWhatDependsOnTheDirection) {
   GaussianModel& model = room_.gaussians.model;
   model.sh_degree = 3;
