@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "core/median.h"
@@ -43,14 +44,29 @@ double gap_of(const Thumbnail& a, const Thumbnail& b) {
   return sum / static_cast<double>(a.size());
 }
 
+/// Empty where it cannot be read.
+std::optional<RunRecord> record_of(const RunScores& run) {
+  const fs::path record = run.folder / "run.json";
+  return is_run_record(record) ? std::optional(read_run_record(record)) : std::nullopt;
+}
+
+/// The photo as the run has it, else that of its scene. An empty path: neither is there.
 fs::path photo_of(const RunScores& run, const std::string& view) {
-  return run.folder / "renders" / "test" / "gt" / (view + ".png");
+  fs::path drawn = run.folder / "renders" / "test" / "gt" / (view + ".png");
+  if (fs::exists(drawn)) return drawn;
+  const std::optional<RunRecord> record = record_of(run);
+  if (!record) return {};
+  const fs::path images = scene_of_run(run.folder, *record) / "images";
+  for (const char* ending : {".png", ".jpg", ".jpeg", ".JPG"}) {
+    if (fs::exists(images / (view + ending))) return images / (view + ending);
+  }
+  return {};
 }
 
 /// Empty where the record cannot be read: then the photos decide.
 std::string scene_mark(const RunScores& run) {
-  const fs::path record = run.folder / "run.json";
-  return is_run_record(record) ? read_run_record(record).fingerprint : std::string();
+  const std::optional<RunRecord> record = record_of(run);
+  return record ? record->fingerprint : std::string();
 }
 
 bool shows_other_room(const RunScores& base, const RunScores& run) {
@@ -59,7 +75,7 @@ bool shows_other_room(const RunScores& base, const RunScores& run) {
   std::vector<double> gaps;
   for (const TestViewMetrics& view : run.views) {
     const fs::path a = photo_of(base, view.name), b = photo_of(run, view.name);
-    if (gaps.size() >= kMostPhotos || !fs::exists(a) || !fs::exists(b)) continue;
+    if (gaps.size() >= kMostPhotos || a.empty() || b.empty()) continue;
     gaps.push_back(gap_of(thumbnail_of(read_image(a)), thumbnail_of(read_image(b))));
   }
   return !gaps.empty() && median_of(std::move(gaps)) > kOtherPhoto;
