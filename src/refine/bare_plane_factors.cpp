@@ -9,7 +9,7 @@ namespace aligngs {
 
 BarePlaneFactors bare_plane_factors(const std::vector<MatchView>& photos, const std::vector<Image<uint16_t>>& labels,
                                     const std::vector<ImageF>& certainty, const BarePlaneSettings& settings,
-                                    const StereoSettings& stereo, ThreadPool& pool) {
+                                    const StereoSettings& stereo, const KnownSurfaces& known, ThreadPool& pool) {
   std::vector<PhotoDepth> depths;
   for (size_t i = 0; i < photos.size(); ++i) {
     depths.push_back({photos[i].depth, certainty[i], 0});
@@ -18,7 +18,7 @@ BarePlaneFactors bare_plane_factors(const std::vector<MatchView>& photos, const 
     for (float& value : sure.data) value = std::min(value, 1.0f);
   }
   BarePlaneFactors result;
-  result.report = lay_on_bare_planes(photos, labels, settings, stereo, pool, depths);
+  result.report = lay_on_bare_planes(photos, labels, settings, stereo, pool, depths, known);
   for (size_t i = 0; i < photos.size(); ++i) {
     const ImageF &before = photos[i].depth, &after = depths[i].depth;
     ImageF factor(before.width, before.height, 1);

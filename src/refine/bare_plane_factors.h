@@ -18,6 +18,6 @@ struct BarePlaneFactors {
 /// Deterministic for any number of threads.
 BarePlaneFactors bare_plane_factors(const std::vector<MatchView>& photos, const std::vector<Image<uint16_t>>& labels,
                                     const std::vector<ImageF>& certainty, const BarePlaneSettings& settings,
-                                    const StereoSettings& stereo, ThreadPool& pool);
+                                    const StereoSettings& stereo, const KnownSurfaces& known, ThreadPool& pool);
 
 }  // namespace aligngs

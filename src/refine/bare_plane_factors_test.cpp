@@ -36,7 +36,7 @@ struct NearSquare {
 
   BarePlaneFactors factors() const {
     ThreadPool pool(2);
-    return bare_plane_factors(photos, {}, certainty, bare_planes_of_network(), {}, pool);
+    return bare_plane_factors(photos, {}, certainty, bare_planes_of_network(), {}, {}, pool);
   }
 };
 

@@ -18,6 +18,8 @@ namespace {
 constexpr double kFarShare = 0.98;  // of what a photo measured: the rest may be wrong
 constexpr float kNowhere = 3;       // cost of a plane that a ray does not meet
 constexpr int kMostHiding = 2;      // photos that count
+// A plane found in what is left is a known one where it is this near (relative) and this parallel (degrees).
+constexpr double kSameDistance = 0.008, kSameAngle = 5;
 
 /// The photos as they are divided: small, with all of their depth and with what is measured alone.
 struct SmallPhotos {
@@ -47,6 +49,47 @@ SmallPhotos small_photos(const std::vector<MatchView>& views, const std::vector<
     }
   });
   return small;
+}
+
+/// The photos without the pixels that lie on known surfaces.
+std::vector<MeasuredView> unknown_part(std::vector<MeasuredView> measured, const KnownSurfaces& known) {
+  for (size_t i = 0; i < measured.size() && i < known.views.size(); ++i) {
+    ImageF& depth = measured[i].depth;
+    const ImageF& weight = known.views[i].weight;
+    if (weight.empty() || depth.empty()) continue;
+    const ImageF held = resize_nearest(weight, depth.width, depth.height);
+    for (size_t p = 0; p < depth.data.size(); ++p) {
+      if (held.data[p] > 0) depth.data[p] = 0;
+    }
+  }
+  return measured;
+}
+
+double mean_distance(const Vec3d& place, const std::vector<MeasuredView>& views) {
+  double sum = 0;
+  for (const MeasuredView& view : views) {
+    const Vec3d way = place - view.camera.centre();
+    sum += std::sqrt(dot(way, way));
+  }
+  return sum / static_cast<double>(std::max<size_t>(1, views.size()));
+}
+
+/// Known planes, then those of what is left, `most` of the latter.
+std::vector<ScenePlane> planes_of(const SmallPhotos& photos, const BarePlaneSettings& settings, bool labelled,
+                                  const KnownSurfaces& known, ThreadPool& pool) {
+  MeasuredPlaneSettings of_rest = settings.planes;
+  if (!labelled) of_rest.along_axes = settings.without_labels;
+  of_rest.known_axes = known.axes;
+  std::vector<ScenePlane> planes = known.planes;
+  for (const ScenePlane& found : measured_planes(unknown_part(photos.measured, known), of_rest, pool)) {
+    const double near = kSameDistance * mean_distance(found.centre, photos.measured);
+    const bool same = std::any_of(known.planes.begin(), known.planes.end(), [&](const ScenePlane& plane) {
+      return dot(plane.normal, found.normal) > std::cos(kSameAngle * kRadiansPerDegree) &&
+             std::abs(plane.distance(found.centre)) < near;
+    });
+    if (!same) planes.push_back(found);
+  }
+  return planes;
 }
 
 float far_end(const ImageF& depth) {
@@ -178,21 +221,29 @@ ImageF depth_on(const CameraPlane& plane, const Camera& camera) {
   return depth;
 }
 
-/// Moves pixels onto the planes that `labels` says (0 = none), and those between with them. Returns how many lie on one.
-size_t move_onto(const std::vector<CameraPlane>& planes, const Image<uint8_t>& labels, const MatchView& view,
-                 const BarePlaneSettings& settings, const LogCorrectionSettings& spread, PhotoDepth& depth) {
+/// Moves pixels onto known surfaces (`held`, which may be null), others onto the planes that `labels` says (0 = none),
+/// and those between with them. Returns how many lie on one.
+size_t move_onto(const std::vector<CameraPlane>& planes, const Image<uint8_t>& labels, const PlaneMeasurement* held,
+                 const MatchView& view, const BarePlaneSettings& settings, const LogCorrectionSettings& spread,
+                 PhotoDepth& depth) {
   ImageF given(depth.depth.width, depth.depth.height, 1), weight = depth.certainty;
   size_t on = 0;
   for (int y = 0; y < weight.height; ++y) {
     for (int x = 0; x < weight.width; ++x) {
-      const uint8_t label = labels.at(x * labels.width / weight.width, y * labels.height / weight.height);
       const float z = depth.depth.at(x, y);
-      if (label == 0 || !is_depth(z)) continue;
-      const double there = planes[label - 1u].depth(view.camera.ray(x + 0.5, y + 0.5));
-      if (!(there > 0)) continue;
+      if (!is_depth(z)) continue;
+      double factor = 0;
+      if (held && held->weight.at(x, y) > 0) {
+        factor = static_cast<double>(held->log_factor.at(x, y));
+      } else {
+        const uint8_t label = labels.at(x * labels.width / weight.width, y * labels.height / weight.height);
+        const double there = label > 0 ? planes[label - 1u].depth(view.camera.ray(x + 0.5, y + 0.5)) : 0;
+        if (!(there > 0)) continue;
+        factor = std::log(there / static_cast<double>(z));
+      }
       const float sure = weight.at(x, y), all = sure + static_cast<float>(settings.strength);
       weight.at(x, y) = all;
-      given.at(x, y) = static_cast<float>(settings.strength * std::log(there / static_cast<double>(z))) / all;
+      given.at(x, y) = static_cast<float>(settings.strength * factor) / all;
       depth.certainty.at(x, y) = std::max(sure, static_cast<float>(settings.certainty));
       ++on;
     }
@@ -205,13 +256,11 @@ size_t move_onto(const std::vector<CameraPlane>& planes, const Image<uint8_t>& l
 
 BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
                                    const BarePlaneSettings& settings, const StereoSettings& stereo, ThreadPool& pool,
-                                   std::vector<PhotoDepth>& depths) {
+                                   std::vector<PhotoDepth>& depths, const KnownSurfaces& known) {
   BarePlaneReport report;
   const SmallPhotos photos = small_photos(views, labels, depths, settings.width, pool);
-  MeasuredPlaneSettings planes = settings.planes;
   const bool labelled = std::any_of(labels.begin(), labels.end(), [](const auto& image) { return !image.empty(); });
-  if (!labelled) planes.along_axes = settings.without_labels;
-  report.planes = measured_planes(photos.measured, planes, pool);
+  report.planes = planes_of(photos, settings, labelled, known, pool);
   if (report.planes.empty()) return report;
   std::vector<const MatchView*> pointers;
   for (const MatchView& photo : photos.all) pointers.push_back(&photo);
@@ -233,7 +282,9 @@ BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const st
                      static_cast<int>(k) + 1, costs);
       }
       const Image<uint8_t> chosen = label_by_paths(costs, view.luma, photos.measured[i].labels, settings.paths);
-      on[i] = move_onto(candidates, chosen, views[i], settings, stereo.spread, depths[i]);
+      const bool holds = i < known.views.size() && !known.views[i].weight.empty();
+      on[i] = move_onto(candidates, chosen, holds ? &known.views[i] : nullptr, views[i], settings, stereo.spread,
+                        depths[i]);
     }
   });
   report.on_planes = share_of_pixels(on, depths);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "refine/class_fit.h"
+#include "refine/known_surfaces.h"
 #include "refine/label_paths.h"
 #include "refine/measured_planes.h"
 #include "refine/photo_depth.h"
@@ -57,9 +58,11 @@ inline BarePlaneSettings bare_planes_of_network() {
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). Every pixel lies on one of the planes, or
 /// on none, as its neighbours do where the photo shows no edge (refine/label_paths.h). Without planes nothing changes.
 /// `labels`: one H x W map per view, each of which may be empty; or no maps at all.
+/// Pixels on a known surface stay on it and find no other plane: a rug and its floor, or a door and its wall, are nearer
+/// to each other than points of one plane are. Other pixels may lie on known planes, too.
 /// Deterministic for any number of threads.
 BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
                                    const BarePlaneSettings& settings, const StereoSettings& stereo, ThreadPool& pool,
-                                   std::vector<PhotoDepth>& depths);
+                                   std::vector<PhotoDepth>& depths, const KnownSurfaces& known = {});
 
 }  // namespace aligngs

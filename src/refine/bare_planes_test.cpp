@@ -130,6 +130,73 @@ TEST(BarePlanes, DepthThatFacesAnotherWayIsBelievedWhereANetworkMadeIt) {
   for (size_t i = 0; i < corner.views.size(); ++i) EXPECT_LT(corner.right(i), 0.2) << i;
 }
 
+/// A door 2 cm before the back wall, measured in every photo of a corner: its pixels, 1 = door.
+std::vector<Image<uint8_t>> hang_door(BareCorner& corner) {
+  constexpr float kBefore = 0.993f;  // of the depth
+  std::vector<Image<uint8_t>> door;
+  for (size_t i = 0; i < corner.views.size(); ++i) {
+    door.emplace_back(kWidth, kHeight, 1);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const Vec3d at =
+            corner.views[i].camera.unproject(x + 0.5, y + 0.5, static_cast<double>(corner.truth[i].at(x, y)));
+        if (at.z < 2.999 || at.x > BareCorner::kLeft) continue;
+        door.back().at(x, y) = 1;
+        corner.truth[i].at(x, y) *= kBefore;
+        corner.depths[i].depth.at(x, y) *= kBefore;
+      }
+    }
+  }
+  return door;
+}
+
+/// Mean |log(depth / truth)| of the door's pixels in one photo.
+double door_error(const BareCorner& corner, const std::vector<Image<uint8_t>>& door, size_t i) {
+  double sum = 0, count = 0;
+  for (size_t p = 0; p < door[i].data.size(); ++p) {
+    if (!door[i].data[p]) continue;
+    sum += std::abs(std::log(static_cast<double>(corner.depths[i].depth.data[p] / corner.truth[i].data[p])));
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(BarePlanes, ADoorKeepsItsDistanceFromItsKnownWall) {
+  BareCorner corner(5), without_knowledge(5);
+  const auto door = hang_door(corner);
+  hang_door(without_knowledge);
+  KnownSurfaces known;
+  ScenePlane wall;
+  wall.normal = {0, 0, -1};
+  wall.offset = 3;
+  wall.kind = PlaneKind::kWall;
+  known.planes = {wall};
+  for (const Image<uint8_t>& part : door) {
+    known.views.push_back({ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)});
+    for (size_t p = 0; p < part.data.size(); ++p) known.views.back().weight.data[p] = part.data[p];
+  }
+  ThreadPool pool(2);
+  lay_on_bare_planes(corner.views, {}, corner.settings, {}, pool, corner.depths, known);
+  without_knowledge.lay();
+  EXPECT_GT(door_error(without_knowledge, door, 2), 0.0008);  // it is drawn towards the wall
+  EXPECT_LT(door_error(corner, door, 2), 0.0002);
+  EXPECT_GT(corner.right(2), 0.95);  // and the bare part of the wall lies on the known plane
+}
+
+TEST(BarePlanes, APlaneThatIsKnownIsNotFoundAgain) {
+  BareCorner corner(5);
+  KnownSurfaces known;
+  ScenePlane wall;
+  wall.normal = {0, 0, -1};
+  wall.offset = 3;
+  known.planes = {wall};
+  ThreadPool pool(2);
+  const BarePlaneReport report = lay_on_bare_planes(corner.views, {}, corner.settings, {}, pool, corner.depths, known);
+  int parallel = 0;
+  for (const ScenePlane& plane : report.planes) parallel += dot(plane.normal, wall.normal) > 0.99;
+  EXPECT_EQ(parallel, 1);
+}
+
 TEST(BarePlanes, WithoutMeasurementsNothingChanges) {
   BareCorner corner(3);
   for (PhotoDepth& depth : corner.depths) depth.certainty = ImageF(kWidth, kHeight, 1);

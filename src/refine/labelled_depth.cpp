@@ -39,6 +39,13 @@ PlaneMeasurement merged(PlaneMeasurement sure, const PlaneMeasurement& unsure) {
 
 }  // namespace
 
+KnownSurfaces known_surfaces(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                             const std::vector<PhotoDepth>& depths, const LabelledDepthReport& report,
+                             const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool) {
+  return known_surfaces(with_depth(views, labels, depths, Keep::kAll), {report.planes, report.axes, report.panels},
+                        classes, {settings.sure, settings.panels}, pool);
+}
+
 LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
                                   const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
                                   std::vector<PhotoDepth>& depths) {

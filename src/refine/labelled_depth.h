@@ -2,6 +2,7 @@
 // was measured of them.
 #pragma once
 
+#include "refine/known_surfaces.h"
 #include "refine/panel_depth.h"
 #include "refine/photo_depth.h"
 #include "refine/plane_depth.h"
@@ -35,11 +36,10 @@ struct LabelledDepthReport {
   double on_planes = 0;          ///< share of the pixels that lie on one of either
 };
 
-/// Surfaces that are flat by their labels.
-struct FlatClasses {
-  std::vector<PlaneClass> planes;  ///< per class (plane_classes())
-  std::vector<PanelClass> panels;  ///< per class (panel_classes()); empty: panels are not looked for
-};
+/// The planes and panels of `report`, and the pixels that lie on them with the depth that they have now.
+KnownSurfaces known_surfaces(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                             const std::vector<PhotoDepth>& depths, const LabelledDepthReport& report,
+                             const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool);
 
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo,
 /// kNoLabel = none.

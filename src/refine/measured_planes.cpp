@@ -72,7 +72,8 @@ std::vector<ScenePlane> measured_planes(const std::vector<MeasuredView>& views, 
   std::vector<PlanePoint> points;
   for (const auto& some : per_view) points.insert(points.end(), some.begin(), some.end());
   std::vector<ScenePlane> planes = find_planes(points, settings.anything, kSeedOfPlanes);
-  if (const auto axes = estimate_room_axes(planes, settings.axes)) planes = planes_along(*axes, points, settings);
+  const auto axes = settings.known_axes ? settings.known_axes : estimate_room_axes(planes, settings.axes);
+  if (axes) planes = planes_along(*axes, points, settings);
   if (planes.size() > settings.most) planes.resize(settings.most);
   return planes;
 }

@@ -1,6 +1,7 @@
 // Planes of everything that was measured in the photos, whatever it is: nothing is labelled.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/thread_pool.h"
@@ -44,8 +45,9 @@ struct MeasuredPlaneSettings {
   PlaneSettings anything = planes_of_anything();
   PlaneSettings along_axes = planes_along_axes();
   RoomAxesSettings axes;
-  int stride = 2;    ///< pixels between the points that planes are found with
-  size_t most = 30;  ///< planes; those with the most points stay
+  std::optional<RoomAxes> known_axes;  ///< of the room; without them the planes themselves tell
+  int stride = 2;                      ///< pixels between the points that planes are found with
+  size_t most = 30;                    ///< planes; those with the most points stay
 };
 
 /// One photo: depth of the pixels that were measured (0 = none), and how surely in [0, 1]. Both H x W; may be empty.

@@ -32,6 +32,26 @@ TEST(MeasuredPlanes, AreThoseOfTheCorner) {
   }
 }
 
+TEST(MeasuredPlanes, FaceAlongAxesThatAreKnown) {
+  std::vector<MeasuredView> views = measured_corner(6);
+  for (MeasuredView& view : views) {  // only the back wall: one plane tells no axes, and noise turns it
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        float& z = view.depth.at(x, y);
+        const bool back = view.camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z)).z > 2.999;
+        z = back ? z * (1 + 1e-4f * static_cast<float>(x)) : 0;
+      }
+    }
+  }
+  MeasuredPlaneSettings settings;
+  settings.along_axes.turn_sigma = 1e-3;
+  settings.known_axes = RoomAxes{Mat3d::identity(), std::nullopt, 1};
+  ThreadPool pool(2);
+  const std::vector<ScenePlane> planes = measured_planes(views, settings, pool);
+  ASSERT_FALSE(planes.empty());
+  EXPECT_NEAR(planes[0].normal.z, -1, 1e-6);
+}
+
 TEST(MeasuredPlanes, NothingMeasuredIsNoPlane) {
   std::vector<MeasuredView> views = measured_corner(2);
   std::fill(views[0].depth.data.begin(), views[0].depth.data.end(), 0.0f);

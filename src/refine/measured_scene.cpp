@@ -111,16 +111,19 @@ MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const Meas
     report.views += depth.measured > 0;
   }
   if (report.views == 0) return report;
+  KnownSurfaces known;
   if (uses_planes(scene, options)) {
     LabelledDepthSettings settings = options.plane_settings;
     settings.spread = options.settings.stereo.spread;
     FlatClasses classes{plane_classes(scene.labels, options.surfaces), {}};
     if (options.panels) classes.panels = panel_classes(scene.labels);
     report.planes = lay_on_planes(photos.match, photos.labels, classes, settings, pool, depths);
+    if (options.bare_planes)
+      known = known_surfaces(photos.match, photos.labels, depths, report.planes, classes, settings, pool);
   }
   if (options.bare_planes) {
-    report.bare =
-        lay_on_bare_planes(photos.match, photos.labels, options.bare_settings, options.settings.stereo, pool, depths);
+    report.bare = lay_on_bare_planes(photos.match, photos.labels, options.bare_settings, options.settings.stereo, pool,
+                                     depths, known);
   }
   if (options.exposure) report.log_gains = measure_exposure(photos, depths, options, pool);
   FolderReplacement replacement(output);

@@ -12,6 +12,7 @@
 #include "io/json_text.h"
 #include "io/npy.h"
 #include "io/resample.h"
+#include "refine/known_surfaces.h"
 #include "refine/measured_factors.h"
 #include "refine/scene_copy.h"
 #include "refine/usable_views.h"
@@ -203,17 +204,32 @@ std::vector<ImageF> refine_once(const Scene& scene, const RefineSceneOptions& op
   return std::move(measured.certainty);
 }
 
-/// Moves the depth of the training photos, whose pixels are as sure as `certainty`, onto planes of what was measured.
 bool any_labels(const ScenePhotos& photos) {
   return std::any_of(photos.labels.begin(), photos.labels.end(), [](const auto& map) { return !map.empty(); });
 }
 
-void lay_on_planes_of_all(const RefineSceneOptions& options, const std::vector<ImageF>& certainty, ThreadPool& pool,
-                          ScenePhotos& photos, std::vector<ImageF>& log_factors, RefineSceneReport& report) {
+/// The planes and panels that labels have found, and which pixels lie on them.
+KnownSurfaces known_surfaces(const Scene& scene, const RefineSceneOptions& options, const ScenePhotos& photos,
+                             const std::vector<ImageF>& certainty, const RefineSceneReport& report, ThreadPool& pool) {
+  std::vector<PlaneView> views(photos.labels.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    const MatchView& photo = photos.views[i].match;
+    views[i] = {photo.camera, photo.depth, certainty[i], photos.labels[i], {}};
+  }
+  FlatClasses classes{plane_classes(scene.labels, options.surfaces), {}};
+  if (options.panels) classes.panels = panel_classes(scene.labels);
+  return known_surfaces(views, {report.planes, report.axes, report.panels}, classes,
+                        {options.plane_settings, options.panel_settings}, pool);
+}
+
+/// Moves the depth of the training photos, whose pixels are as sure as `certainty`, onto planes of what was measured.
+void lay_on_planes_of_all(const RefineSceneOptions& options, const std::vector<ImageF>& certainty,
+                          const KnownSurfaces& known, ThreadPool& pool, ScenePhotos& photos,
+                          std::vector<ImageF>& log_factors, RefineSceneReport& report) {
   std::vector<MatchView> match;
   for (size_t i = 0; i < log_factors.size(); ++i) match.push_back(photos.views[i].match);
   const BarePlaneFactors factors =
-      bare_plane_factors(match, photos.labels, certainty, options.bare_settings, options.stereo_settings, pool);
+      bare_plane_factors(match, photos.labels, certainty, options.bare_settings, options.stereo_settings, known, pool);
   report.bare = factors.report;
   for (size_t i = 0; i < log_factors.size(); ++i) {
     apply(factors.log_factors[i], photos.views[i].match.depth);
@@ -258,7 +274,8 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
   for (int pass = 0; pass < options.passes; ++pass)
     certainty = refine_once(scene, options, pool, photos, log_factors, report);
   if (options.bare_planes && !certainty.empty() && any_labels(photos))
-    lay_on_planes_of_all(options, certainty, pool, photos, log_factors, report);
+    lay_on_planes_of_all(options, certainty, known_surfaces(scene, options, photos, certainty, report, pool), pool,
+                         photos, log_factors, report);
   if (options.exposure) report.log_gains = measure_exposure(photos, training, options, pool);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);
