@@ -2,10 +2,10 @@
 #include <CLI/App.hpp>
 
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "cli/command.h"
-#include "core/error.h"
-#include "io/text_tokens.h"
 #include "train/config_keys.h"
 
 namespace aligngs {
@@ -52,11 +52,8 @@ void gather_examples(const CLI::App& app, std::vector<HelpExample>& examples) {
     gather_examples(*command, examples);
 }
 
-/// The options are read, and nothing is done.
-void disarm(CLI::App& app) {
-  app.callback([] {});
-  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) disarm(*command);
-}
+/// Thrown where the options are read and the command would begin.
+struct ReadAll {};
 
 struct WholeProgram {
   CommandContext context;
@@ -64,7 +61,7 @@ struct WholeProgram {
   WholeProgram() {
     app.fallthrough();
     add_all_commands(app, context);
-    disarm(app);
+    app.parse_complete_callback([] { throw ReadAll(); });
   }
 };
 
@@ -82,6 +79,8 @@ TEST(HelpExamples, HaveOptionsThatExist) {
     std::vector<std::string> words(example.words.rbegin(), example.words.rend());  // as CLI11 wants them
     try {
       program.app.parse(words);
+      ADD_FAILURE() << example.line << ": no command";
+    } catch (const ReadAll&) {
     } catch (const CLI::ParseError& error) {
       ADD_FAILURE() << example.line << ": " << error.what();
     }
