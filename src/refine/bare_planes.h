@@ -58,7 +58,7 @@ inline BarePlaneSettings bare_planes_of_network() {
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). Every pixel lies on one of the planes, or
 /// on none, as its neighbours do where the photo shows no edge (refine/label_paths.h). Without planes nothing changes.
 /// `labels`: one H x W map per view, each of which may be empty; or no maps at all.
-/// Pixels on a known surface stay on it and find no other plane: a rug and its floor, or a door and its wall, are nearer
+/// Pixels on a known surface stay on it and find no other plane. A rug and its floor, or a door and its wall, are nearer
 /// to each other than points of one plane are. Other pixels may lie on known planes, too.
 /// Deterministic for any number of threads.
 BarePlaneReport lay_on_bare_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
