@@ -75,8 +75,7 @@ EditOperation operation_of(const EditOptions& options) {
                 "use it with --delete, --extract, --move or --duplicate");
   if (!replaces && (options.fit || options.up != "z"))
     throw_usage("--fit and --up are about the object of --replace", "use them with --replace");
-  const bool of_run = replaces && !std::filesystem::path(options.replace).extension().string().starts_with(".ply") &&
-                      options.replace.find('#') != std::string::npos;
+  const bool of_run = replaces && !is_splat_file(options.replace) && options.replace.find('#') != std::string::npos;
   if (of_run && options.up != "z") {
     throw_usage("--up is for a file of splats: the other run knows which way is up",
                 "leave --up out, or give FILE.ply to --replace");

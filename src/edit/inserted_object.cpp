@@ -21,11 +21,6 @@ namespace {
 
 constexpr const char* kSourceExample = "give FILE.ply or RUN#OBJECT, for example other_run#armchair#1";
 
-bool ends_in_ply(const std::string& text) {
-  const std::string ending = fs::path(text).extension().string();
-  return ending == ".ply" || ending == ".PLY";
-}
-
 /// Labels and origins of no meaning yet, one per Gaussian.
 void complete(EditableRoom& room) {
   const size_t n = room.gaussians.model.size();
@@ -91,8 +86,13 @@ InsertedObject read_run_object(const std::string& source, ThreadPool& pool) {
 
 }  // namespace
 
+bool is_splat_file(const std::string& source) {
+  const std::string ending = fs::path(source).extension().string();
+  return ending == ".ply" || ending == ".PLY";
+}
+
 InsertedObject read_inserted_object(const std::string& source, UpAxis up, ThreadPool& pool) {
-  return ends_in_ply(source) ? read_file_object(source, up) : read_run_object(source, pool);
+  return is_splat_file(source) ? read_file_object(source, up) : read_run_object(source, pool);
 }
 
 std::shared_ptr<const InsertedObject> inserted_by(const EditChange& change, const EditableRoom& room) {

@@ -22,6 +22,9 @@ struct InsertedObject {
   bool placed = false;         ///< it is in the world of the room already, where an edit put it
 };
 
+/// Whether the source of an object is FILE.ply, and not RUN#OBJECT.
+bool is_splat_file(const std::string& source);
+
 /// FILE.ply: splats in the common layout of 3DGS, with or without labels. `up` is an axis of the file. The front is the
 /// file's -y where z or -z is up, else its z. RUN#OBJECT: the object of a run with its edits, e.g. "other_run#armchair#1".
 /// Error{kUsage} for other words and for a run without such an object. Error{kBadInput} for a damaged file, and for one

@@ -44,18 +44,13 @@ ObjectSize object_size_of(const GaussianModel& model) {
   return out;
 }
 
-void require_seen(const GaussianModel& model, const std::filesystem::path& file) {
-  for (size_t i = 0; i < model.size(); ++i) {
-    if (opacity_of(model, i) >= kInvisibleOpacity) return;
-  }
-  throw_bad_input(file, "opacity", "no Gaussian of the file can be seen: every opacity is below 1/255",
-                  "give splats whose opacities are logits, as 3DGS writes them");
-}
-
 }  // namespace
 
 void require_object_bounds(const GaussianModel& model, const std::filesystem::path& file, const ObjectBounds& bounds) {
-  require_seen(model, file);
+  if (visible_rows(model).empty()) {
+    throw_bad_input(file, "opacity", "no Gaussian of the file can be seen: every opacity is below 1/255",
+                    "give splats whose opacities are logits, as 3DGS writes them");
+  }
   const ObjectSize object = object_size_of(model);
   if (!(object.size <= bounds.most)) {
     throw_bad_input(file, "x, y, z, scale", fmt::format("the object is {:.3g} units large", object.size),
@@ -72,9 +67,7 @@ void require_object_bounds(const GaussianModel& model, const std::filesystem::pa
                     "move it near the origin");
   }
   for (size_t i = 0; i < model.size(); ++i) {
-    Vec3d place;
-    for (int a = 0; a < 3; ++a) place[a] = model.positions[3 * i + static_cast<size_t>(a)];
-    const double away = norm(place - object.middle), deviation = largest_deviation(model, i);
+    const double away = norm(position_of(model, i) - object.middle), deviation = largest_deviation(model, i);
     if (!(away <= bounds.farthest * object.size)) {
       throw_bad_input(
           file, "x, y, z",

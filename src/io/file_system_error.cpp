@@ -49,13 +49,17 @@ fs::path barred_folder(const fs::path& path) {
 
 bool is_full(const fs::path& place) {
   std::error_code unknown;
-  fs::path there = fs::absolute(place, unknown);
-  while (!fs::exists(there, unknown) && there != there.parent_path()) there = there.parent_path();
-  const fs::space_info space = fs::space(there, unknown);
+  const fs::space_info space = fs::space(nearest_existing(fs::absolute(place, unknown)), unknown);
   return !unknown && space.available < kFull;
 }
 
 }  // namespace
+
+fs::path nearest_existing(fs::path path) {
+  std::error_code unknown;
+  while (!fs::exists(path, unknown) && path != path.parent_path()) path = path.parent_path();
+  return path;
+}
 
 std::error_code cause_of_write(const std::error_code& error, const fs::path& place) {
   const bool vague = error == std::errc::io_error || error == std::errc::no_such_device;

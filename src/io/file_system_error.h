@@ -26,6 +26,9 @@ std::error_code cause_of_write(const std::error_code& error, const std::filesyst
 /// Error{kBadInput} where there is no such folder, where it is a file, and where its names may not be listed.
 void require_readable_folder(const std::filesystem::path& folder, const std::string& remedy);
 
+/// The path, or the nearest of the folders around it that exists.
+std::filesystem::path nearest_existing(std::filesystem::path path);
+
 /// Makes the folder and those that hold it; Error{kResources} where that fails.
 void make_folders(const std::filesystem::path& folder);
 

@@ -97,19 +97,17 @@ Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& 
   if (!has_end_of_jpeg(bytes)) throw_bad_input(name, "JPEG data", "the picture is truncated", kDamagedFileRemedy);
 
   Image<uint8_t> image(width, height, cmyk ? 4 : 3);
-  std::string_view stream = bytes;
-  std::string plain;
-  for (bool again = true; again;) {
-    again = false;
+  /// False where there was a warning, which may hide a later one.
+  const auto decode = [&](std::string_view stream) {
     const auto* from = reinterpret_cast<const unsigned char*>(stream.data());
     const int status = tjDecompress2(handle.get(), from, stream.size(), image.data.data(), width, 0, height,
                                      cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
-    if (status == 0) break;
-    refuse_damage(handle.get(), "JPEG data", stream, name);
-    if (!plain.empty()) break;
-    plain = without_odd_headers(bytes);
-    again = plain != bytes;
-    stream = plain;
+    if (status != 0) refuse_damage(handle.get(), "JPEG data", stream, name);
+    return status == 0;
+  };
+  if (!decode(bytes)) {
+    const std::string plain = without_odd_headers(bytes);
+    if (plain != bytes) decode(plain);
   }
   return cmyk ? rgb_of_cmyk(image, parse_jpeg_header(bytes, name).adobe) : image;
 }

@@ -120,8 +120,7 @@ void require_folder_place(const fs::path& folder) {
   if (folder.empty() || folder == "-") refuse("this is no name of a folder; nothing is written to standard output");
   std::error_code error;
   if (fs::exists(folder, error) || fs::is_symlink(folder, error)) return;
-  fs::path around = real_place(folder).parent_path();
-  while (!fs::exists(around, error) && around != around.parent_path()) around = around.parent_path();
+  const fs::path around = nearest_existing(real_place(folder).parent_path());
   if (!fs::is_directory(around, error)) refuse("there is a file in its way: " + around.string());
   const fs::path probe = around / (".aligngs-probe-" + std::to_string(::getpid()));
   fs::create_directory(probe, error);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "core/error.h"
 #include "core/median.h"
@@ -44,38 +43,41 @@ double gap_of(const Thumbnail& a, const Thumbnail& b) {
   return sum / static_cast<double>(a.size());
 }
 
-/// Empty where it cannot be read.
-std::optional<RunRecord> record_of(const RunScores& run) {
-  const fs::path record = run.folder / "run.json";
-  return is_run_record(record) ? std::optional(read_run_record(record)) : std::nullopt;
+/// A run as far as its photos go.
+struct ShownRoom {
+  fs::path drawn;     ///< photos as the run has them
+  fs::path images;    ///< those of its scene; empty where the record cannot be read
+  std::string scene;  ///< mark of the scene; empty likewise: then the photos decide
+};
+
+ShownRoom shown_room(const RunScores& run) {
+  ShownRoom out{run.folder / "renders" / "test" / "gt", {}, {}};
+  const fs::path file = run.folder / "run.json";
+  if (!is_run_record(file)) return out;
+  const RunRecord record = read_run_record(file);
+  out.images = scene_of_run(run.folder, record) / "images";
+  out.scene = record.fingerprint;
+  return out;
 }
 
-/// The photo as the run has it, else that of its scene. An empty path: neither is there.
-fs::path photo_of(const RunScores& run, const std::string& view) {
-  fs::path drawn = run.folder / "renders" / "test" / "gt" / (view + ".png");
-  if (fs::exists(drawn)) return drawn;
-  const std::optional<RunRecord> record = record_of(run);
-  if (!record) return {};
-  const fs::path images = scene_of_run(run.folder, *record) / "images";
+/// An empty path: neither the run nor its scene has the photo.
+fs::path photo_of(const ShownRoom& room, const std::string& view) {
+  if (fs::exists(room.drawn / (view + ".png"))) return room.drawn / (view + ".png");
+  if (room.images.empty()) return {};
   for (const char* ending : {".png", ".jpg", ".jpeg", ".JPG"}) {
-    if (fs::exists(images / (view + ending))) return images / (view + ending);
+    if (fs::exists(room.images / (view + ending))) return room.images / (view + ending);
   }
   return {};
 }
 
-/// Empty where the record cannot be read: then the photos decide.
-std::string scene_mark(const RunScores& run) {
-  const std::optional<RunRecord> record = record_of(run);
-  return record ? record->fingerprint : std::string();
-}
-
-bool shows_other_room(const RunScores& base, const RunScores& run) {
-  const std::string mark = scene_mark(run);
-  if (!mark.empty() && mark == scene_mark(base)) return false;
+bool shows_other_room(const ShownRoom& base, const RunScores& run) {
+  const ShownRoom room = shown_room(run);
+  if (!room.scene.empty() && room.scene == base.scene) return false;
   std::vector<double> gaps;
   for (const TestViewMetrics& view : run.views) {
-    const fs::path a = photo_of(base, view.name), b = photo_of(run, view.name);
-    if (gaps.size() >= kMostPhotos || a.empty() || b.empty()) continue;
+    if (gaps.size() >= kMostPhotos) break;
+    const fs::path a = photo_of(base, view.name), b = photo_of(room, view.name);
+    if (a.empty() || b.empty()) continue;
     gaps.push_back(gap_of(thumbnail_of(read_image(a)), thumbnail_of(read_image(b))));
   }
   return !gaps.empty() && median_of(std::move(gaps)) > kOtherPhoto;
@@ -84,7 +86,9 @@ bool shows_other_room(const RunScores& base, const RunScores& run) {
 }  // namespace
 
 void mark_other_rooms(std::vector<RunScores>& runs) {
-  for (size_t i = 1; i < runs.size(); ++i) runs[i].other_room = shows_other_room(runs[0], runs[i]);
+  if (runs.size() < 2) return;
+  const ShownRoom base = shown_room(runs[0]);
+  for (size_t i = 1; i < runs.size(); ++i) runs[i].other_room = shows_other_room(base, runs[i]);
 }
 
 }  // namespace aligngs

@@ -7,6 +7,7 @@
 
 #include "edit/export/furniture_points.h"
 #include "edit/row_flags.h"
+#include "gaussians/gaussian_geometry.h"
 #include "gaussians/soft_labels.h"
 #include "room/find_room.h"
 #include "room/followed_boxes.h"
@@ -32,8 +33,7 @@ size_t gaussians_in(const EditableRoom& room, const MeasuredRoom& measured, cons
   size_t count = 0;
   for (size_t i = 0; i < room.gaussians.labels.label.size(); ++i) {
     if (room.gaussians.labels.label[i] != label || opacity_of(model, i) < kSolidOpacity) continue;
-    const Vec3d p =
-        measured.to_room * Vec3d{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+    const Vec3d p = measured.to_room * position_of(model, i);
     const double along = wall.along({p.x, p.y});
     count += along >= opening.left && along <= opening.right && p.z >= opening.bottom && p.z <= opening.top &&
              std::fabs(wall.before({p.x, p.y})) <= kBesideWall;

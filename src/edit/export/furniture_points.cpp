@@ -4,6 +4,7 @@
 
 #include "edit/export/object_meshes.h"
 #include "edit/row_flags.h"
+#include "gaussians/gaussian_geometry.h"
 #include "gaussians/soft_labels.h"
 #include "room/room_classes.h"
 
@@ -52,7 +53,7 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
       if (g.labels.label[i] != object.label || g.labels.instance[i] != object.number ||
           opacity_of(g.model, i) < kSolidOpacity)
         continue;
-      points.points.push_back({g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
+      points.points.push_back(position_of(g.model, i));
     }
     out.push_back(std::move(points));
   }
