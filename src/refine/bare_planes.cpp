@@ -67,10 +67,7 @@ std::vector<MeasuredView> unknown_part(std::vector<MeasuredView> measured, const
 
 double mean_distance(const Vec3d& place, const std::vector<MeasuredView>& views) {
   double sum = 0;
-  for (const MeasuredView& view : views) {
-    const Vec3d way = place - view.camera.centre();
-    sum += std::sqrt(dot(way, way));
-  }
+  for (const MeasuredView& view : views) sum += norm(place - view.camera.centre());
   return sum / static_cast<double>(std::max<size_t>(1, views.size()));
 }
 

@@ -2,6 +2,10 @@
 
 namespace aligngs {
 
+FlatClasses flat_classes(const LabelSet& labels, PlaneSurfaces surfaces, bool with_panels) {
+  return {plane_classes(labels, surfaces), with_panels ? panel_classes(labels) : std::vector<PanelClass>()};
+}
+
 KnownSurfaces known_surfaces(const std::vector<PlaneView>& views, const FlatSurfaces& found, const FlatClasses& classes,
                              const FlatSettings& settings, ThreadPool& pool) {
   KnownSurfaces known{found.planes, found.axes, {}};

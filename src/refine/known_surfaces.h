@@ -15,6 +15,9 @@ struct FlatClasses {
   std::vector<PanelClass> panels;  ///< per class (panel_classes()); empty: panels are not looked for
 };
 
+/// The classes of a label set by name; without panels where those are not looked for.
+FlatClasses flat_classes(const LabelSet& labels, PlaneSurfaces surfaces, bool with_panels);
+
 /// Planes and panels of these classes.
 struct FlatSurfaces {
   std::vector<ScenePlane> planes;

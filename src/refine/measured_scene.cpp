@@ -115,8 +115,7 @@ MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const Meas
   if (uses_planes(scene, options)) {
     LabelledDepthSettings settings = options.plane_settings;
     settings.spread = options.settings.stereo.spread;
-    FlatClasses classes{plane_classes(scene.labels, options.surfaces), {}};
-    if (options.panels) classes.panels = panel_classes(scene.labels);
+    const FlatClasses classes = flat_classes(scene.labels, options.surfaces, options.panels);
     report.planes = lay_on_planes(photos.match, photos.labels, classes, settings, pool, depths);
     if (options.bare_planes)
       known = known_surfaces(photos.match, photos.labels, depths, report.planes, classes, settings, pool);

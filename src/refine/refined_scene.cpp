@@ -216,9 +216,8 @@ KnownSurfaces known_surfaces(const Scene& scene, const RefineSceneOptions& optio
     const MatchView& photo = photos.views[i].match;
     views[i] = {photo.camera, photo.depth, certainty[i], photos.labels[i], {}};
   }
-  FlatClasses classes{plane_classes(scene.labels, options.surfaces), {}};
-  if (options.panels) classes.panels = panel_classes(scene.labels);
-  return known_surfaces(views, {report.planes, report.axes, report.panels}, classes,
+  return known_surfaces(views, {report.planes, report.axes, report.panels},
+                        flat_classes(scene.labels, options.surfaces, options.panels),
                         {options.plane_settings, options.panel_settings}, pool);
 }
 
