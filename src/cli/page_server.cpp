@@ -82,18 +82,24 @@ std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const 
                                                 const std::filesystem::path& scene, int threads) {
   if (!view) return nullptr;
   std::error_code error;
-  std::filesystem::create_directories(run, error);
+  const bool made = std::filesystem::create_directories(run, error);
   if (error)
     throw_resources(run, "the run folder cannot be created: " + error.message(), remedy_for_write(error.value()));
   PageServerOptions options;
   options.server.run = run;
   options.server.expect_run = true;
   options.server.port = port;
+  options.server.port_option = "--view-port";
   options.scene = scene;
   options.threads = threads;
-  auto server = std::make_unique<PageServer>(std::move(options));
-  server->announce();
-  return server;
+  try {
+    auto server = std::make_unique<PageServer>(std::move(options));
+    server->announce();
+    return server;
+  } catch (const Error&) {
+    if (made) std::filesystem::remove(run, error);  // nothing was begun
+    throw;
+  }
 }
 
 void work_beside_page(const std::unique_ptr<PageServer>& server, const std::function<void()>& work) {

@@ -73,7 +73,7 @@ struct ViewServer::State {
     throw_resources({},
                     options.port != 0 ? "port " + std::to_string(options.port) + " " + reason
                                       : "no port is free: the last one " + reason,
-                    "choose another one with --port");
+                    "choose another one with " + options.port_option);
   }
 
   awaitable<HttpAnswer> post(const Request& request, const std::string& path) {

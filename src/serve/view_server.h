@@ -38,6 +38,7 @@ struct ViewServerOptions {
   std::filesystem::path scene;              ///< new place of the run's scene; empty: as run.json says
   bool expect_run = false;                  ///< the folder exists and will become a run
   uint16_t port = 0;                        ///< 0: the first free one from 7860 on, otherwise exactly this
+  std::string port_option = "--port";       ///< of the command that serves, for the remedy of an error
   std::vector<std::string> allowed_hosts;   ///< names accepted in the Host header besides this machine's
   std::filesystem::path web_root;           ///< serve the page from here (for its development); empty: embedded
   std::map<std::string, PostHandler> post;  ///< by path, e.g. "/api/edit"
