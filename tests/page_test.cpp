@@ -237,7 +237,9 @@ TEST(PageOption, APortInUseNamesItsOptionAndBeginsNothing) {
   options.expect_run = true;
   const ViewServer holder(options);
   const std::string port = std::to_string(holder.port());
-  const auto train = run_aligngs("train scene -o run --view --view-port " + port, folder);
+  const auto in = [](const fs::path& path) { return "'" + path.string() + "'"; };
+  const auto train = run_aligngs(
+      "train " + in(folder / "scene") + " -o " + in(folder / "run") + " --view --view-port " + port, folder);
   EXPECT_EQ(train.status, 5);
   EXPECT_THAT(train.err, HasSubstr("port " + port + " is in use"));
   EXPECT_THAT(train.err, HasSubstr("choose another one with --view-port"));

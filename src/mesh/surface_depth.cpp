@@ -64,6 +64,21 @@ ImageF agreeing_depth(const ImageF& plane, const ImageF& median, double agreemen
   return out;
 }
 
+ConfirmedDepth confirmed_depth(const ImageF& rendered, const ImageF& prior, double agreement) {
+  ConfirmedDepth out{rendered, ImageF(rendered.width, rendered.height, 1)};
+  for (int y = 0; y < rendered.height; ++y) {
+    for (int x = 0; x < rendered.width; ++x) {
+      const float z = valid_depth(rendered, x, y), p = valid_depth(prior, x, y);
+      if (!(z > 0) || !(p > 0)) continue;
+      const double difference = std::abs(double(z) / double(p) - 1);
+      const auto share = static_cast<float>(std::clamp(2 - difference / agreement, 0.0, 1.0));
+      out.share.at(x, y) = share;
+      out.depth.at(x, y) = z + share * (p - z);
+    }
+  }
+  return out;
+}
+
 std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels,
                                       const StructuralPlanes& options, ThreadPool& pool) {
   std::vector<ImageF> drawn(frames.size());

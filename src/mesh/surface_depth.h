@@ -16,6 +16,17 @@ namespace aligngs {
 /// `agreement` (relative), else median depth. H x W, 0 where there is none.
 ImageF agreeing_depth(const ImageF& plane, const ImageF& median, double agreement);
 
+/// Prior depth where rendered depth confirms it. Training moves surfaces by less than a percent, the prior's are
+/// smooth and agree between views, and training finds those that the prior misses.
+struct ConfirmedDepth {
+  ImageF depth;  ///< H x W: rendered + share (prior - rendered), 0 where nothing is rendered
+  ImageF share;  ///< H x W in [0, 1]: 1 up to `agreement`, then evenly down to 0 at twice that
+};
+
+/// The difference is |rendered / prior - 1|. Pixels without prior depth keep their rendered one. `agreement` > 0. Both
+/// maps have one size.
+ConfirmedDepth confirmed_depth(const ImageF& rendered, const ImageF& prior, double agreement);
+
 struct StructuralPlanes {
   /// |log(plane / depth)| at which a pixel is off the plane; it lies on it at up to half of that
   double reach = 0.03;

@@ -48,6 +48,32 @@ TEST(AgreeingDepth, IsPlaneDepthWhereBothAgreeAndElseMedianDepth) {
   EXPECT_EQ(agreeing_depth(plane, median, 0.01).data, (std::vector<float>{2.01f, 2.0f, 2.0f, 0.0f}));
 }
 
+TEST(ConfirmedDepth, IsPriorDepthWhereRenderedDepthIsNear) {
+  ImageF rendered(6, 1, 1), prior(6, 1, 1);
+  rendered.data = {2.02f, 1.98f, 2.06f, 2.1f, 2.0f, 0};
+  prior.data = {2, 2, 2, 2, 0, 2};
+  const ConfirmedDepth confirmed = confirmed_depth(rendered, prior, 0.02);
+  EXPECT_FLOAT_EQ(confirmed.depth.data[0], 2) << "1 % off";
+  EXPECT_FLOAT_EQ(confirmed.depth.data[1], 2) << "in front";
+  EXPECT_NEAR(confirmed.depth.data[2], 2.03, 1e-5) << "3 % off: half of each";
+  EXPECT_NEAR(confirmed.share.data[2], 0.5, 1e-4);
+  EXPECT_FLOAT_EQ(confirmed.depth.data[3], 2.1f) << "5 % off: another surface";
+  EXPECT_FLOAT_EQ(confirmed.depth.data[4], 2) << "no prior";
+  EXPECT_EQ(confirmed.share.data[4], 0);
+  EXPECT_EQ(confirmed.depth.data[5], 0) << "nothing is rendered";
+}
+
+TEST(ConfirmedDepth, ValuesThatAreNoDepthAreNone) {
+  const float nan = std::nanf(""), inf = HUGE_VALF;
+  ImageF rendered(4, 1, 1), prior(4, 1, 1);
+  rendered.data = {2, 2, nan, inf};
+  prior.data = {nan, inf, 2, 2};
+  const ConfirmedDepth confirmed = confirmed_depth(rendered, prior, 0.02);
+  for (const float share : confirmed.share.data) EXPECT_EQ(share, 0);
+  EXPECT_EQ(confirmed.depth.data[0], 2);
+  EXPECT_EQ(confirmed.depth.data[1], 2);
+}
+
 TEST(DrawToStructure, NoisyWallsComeToTheirPlanes) {
   std::vector<ImageF> truth;
   std::vector<FusionFrame> frames = noisy_room(truth);

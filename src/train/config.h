@@ -148,6 +148,7 @@ struct CheckpointConfig {
 struct MeshConfig {
   FusedDepth depth{};
   double depth_agreement{};  ///< agreeing: relative difference up to which plane depth is taken, not median depth
+  double prior_agreement{};  ///< relative difference up to which prior depth is fused, not rendered depth; 0 = off
   double plane_reach{};      ///< |log| of depth within which walls, floor, ceiling move to their planes; 0 = off
   double smoothing{};        ///< pixels over which depth follows the rendered normals; 0 = off
   bool tangent_distance{};   ///< distances from tangent planes

@@ -90,6 +90,7 @@ PresetChanges paper_changes() {
               {"optimizer.aspect_max", value(0.0)},
               {"optimizer.scale_min_pixels", value(0.0)},
               {"mesh.depth", value(FusedDepth::kPlane)},
+              {"mesh.prior_agreement", value(0.0)},
               {"mesh.plane_reach", value(0.0)},
               {"mesh.smoothing", value(0.0)},
               {"mesh.tangent_distance", value(false)},

@@ -188,16 +188,19 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
   return static_cast<float>(std::max(global, config.train.near_share * low));
 }
 
+ImageF placed_prior_depth(const Scene& scene, const TrainConfig& config, const PriorUse& use, size_t training_view) {
+  if (use.depth != PriorDepthKind::kMetric || use.is_unplaced(training_view)) return {};
+  LoadOptions options = load_options(config, use, training_view);
+  options.semantics = false;
+  return load_view(scene, scene.train[training_view], options).prior_depth;
+}
+
 float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view) {
   const auto trained = std::find(scene.train.begin(), scene.train.end(), view);
   const auto index = static_cast<size_t>(trained - scene.train.begin());
   ImageF depth;
-  if (trained != scene.train.end() && use.depth == PriorDepthKind::kMetric && !use.is_unplaced(index) &&
-      config.train.near_share > 0) {
-    LoadOptions options = load_options(config, use, index);
-    options.semantics = false;
-    depth = load_view(scene, view, options).prior_depth;
-  }
+  if (trained != scene.train.end() && config.train.near_share > 0)
+    depth = placed_prior_depth(scene, config, use, index);
   return near_plane_of(depth, config, robust_extent(scene));
 }
 

@@ -70,6 +70,10 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
 /// the settings ask for it. A view that is no training view has the scene's near plane.
 float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view);
 
+/// Metric prior depth of a training view at the working resolution, scene units. Empty where the view has none, or none
+/// whose scale is known. Error{kBadInput} naming the file.
+ImageF placed_prior_depth(const Scene& scene, const TrainConfig& config, const PriorUse& use, size_t training_view);
+
 /// near_plane_of_view() of all training views, in their order.
 std::vector<float> near_planes_of_training_views(const Scene& scene, const TrainConfig& config, const PriorUse& use,
                                                  ThreadPool& pool);

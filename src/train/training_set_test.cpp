@@ -96,6 +96,22 @@ TEST(TrainingSet, ConfidenceWeighsPriorDepth) {
   EXPECT_THROW(check_prior_confidence(scene, config, use), Error);
 }
 
+TEST(TrainingSet, PlacedPriorDepthHasTheScaleOfTheScene) {
+  const Scene scene = scene_with("simulated");
+  TrainConfig config = make_preset(Preset::kDefault);
+  PriorUse use = decide_prior_use(scene, config);
+  ThreadPool pool(1);
+  const ImageF trained = load_training_views(scene, config, use, pool)[1].data.prior_depth;
+  EXPECT_EQ(placed_prior_depth(scene, config, use, 1).data, trained.data);
+  use.placement.views.assign(scene.train.size(), {2});
+  const ImageF twice = placed_prior_depth(scene, config, use, 1);
+  for (size_t i = 0; i < twice.data.size(); ++i) EXPECT_FLOAT_EQ(twice.data[i], 2 * trained.data[i]);
+  use.placement.views[1].factor = 0;
+  EXPECT_TRUE(placed_prior_depth(scene, config, use, 1).empty()) << "nothing tells its scale";
+  config.data.prior_depth = PriorDepthUse::kRelative;
+  EXPECT_TRUE(placed_prior_depth(scene, config, decide_prior_use(scene, config), 1).empty());
+}
+
 TEST(TrainingSet, TheOpacityControlHasTheWeightsOfTheBoundedCoupling) {
   Scene scene = scene_with("simulated");
   std::vector<float> scores(3 * 15 * 20);  // [class][row][column]: surer from pixel to pixel

@@ -1,11 +1,14 @@
 #include "cli/stages/mesh_stage.h"
 
+#include <algorithm>
+
 #include "cli/stages/pictured_views.h"
 #include "cli/stages/surface_pictures.h"
 #include "core/error.h"
 #include "core/is_depth.h"
 #include "core/log.h"
 #include "mesh/surface_depth.h"
+#include "refine/refined_scene.h"
 #include "scene/depth_placement.h"
 #include "scene/measured_hull.h"
 #include "scene/mesh_ply.h"
@@ -17,8 +20,8 @@
 namespace aligngs {
 namespace {
 
-// of a depth on a plane of the room beside a rendered one, when surfaces are smoothed
-constexpr float kPlaneCertainty = 100;
+// of a depth on a plane of the room, or of the prior, beside a rendered one, when surfaces are smoothed
+constexpr float kSureCertainty = 100;
 
 FusionOptions fusion_options(const LoadedRun& run) {
   const MeshConfig& mesh = run.config().mesh;
@@ -174,9 +177,35 @@ void add_interpolated(LoadedRun& run, std::vector<FusionFrame>& frames) {
   }
 }
 
-/// Walls, floor and ceiling to their planes, then every surface along its normals.
+/// Prior depth whose views agree with each other: refined, or measured in the photos. A sensor's has a noise of its own.
+bool has_agreeing_prior(const Scene& scene) {
+  return !is_sensor_depth(scene.prior_source) && (is_refined_scene(scene.folder) || scene.prior_source == kStereoDepth);
+}
+
+/// Prior depth where the frames confirm it. Returns its share per frame; empty maps where there is none.
+std::vector<ImageF> take_confirmed_prior(const LoadedRun& run, std::vector<FusionFrame>& frames) {
+  std::vector<ImageF> shares(frames.size());
+  const Scene& scene = run.scene();
+  const double agreement = run.config().mesh.prior_agreement;
+  if (!(agreement > 0) || !has_agreeing_prior(scene)) return shares;
+  const PriorUse use = decide_prior_use(scene, run.config());
+  run.pool->parallel_for(scene.train.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const ImageF prior = placed_prior_depth(scene, run.config(), use, i);
+      if (prior.empty()) continue;
+      ConfirmedDepth confirmed = confirmed_depth(frames[i].depth, prior, agreement);
+      frames[i].depth = std::move(confirmed.depth);
+      shares[i] = std::move(confirmed.share);
+    }
+  });
+  return shares;
+}
+
+/// The prior's surface where it is confirmed, walls, floor and ceiling to their planes, then every surface along its
+/// normals.
 void improve_depth(LoadedRun& run, std::vector<FusionFrame>& frames) {
   const MeshConfig& mesh = run.config().mesh;
+  const std::vector<ImageF> confirmed = take_confirmed_prior(run, frames);
   std::vector<ImageF> drawn(frames.size());
   if (mesh.plane_reach > 0 && run.has_labels()) {
     StructuralPlanes planes;
@@ -188,8 +217,11 @@ void improve_depth(LoadedRun& run, std::vector<FusionFrame>& frames) {
   smoothing.length = mesh.smoothing;
   run.pool->parallel_for(frames.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
-      ImageF weight = drawn[i];
-      for (float& w : weight.data) w = 1 + kPlaneCertainty * w;
+      ImageF weight = confirmed[i].empty() ? drawn[i] : confirmed[i];
+      for (size_t k = 0; k < weight.data.size(); ++k) {
+        const float sure = drawn[i].empty() ? weight.data[k] : std::max(weight.data[k], drawn[i].data[k]);
+        weight.data[k] = 1 + kSureCertainty * sure;
+      }
       frames[i].depth = smooth_along_normals(frames[i].depth, frames[i].normal, weight, frames[i].camera, smoothing);
     }
   });

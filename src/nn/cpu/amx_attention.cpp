@@ -1,6 +1,8 @@
 #include "nn/cpu/amx_attention.h"
 
-#if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
+#include "nn/cpu/amx_tiles.h"
+
+#ifdef ALIGNGS_WITH_AMX
 
 // GCC 12 finds its own undefined vectors uninitialised (bug 105593).
 #if defined(__GNUC__) && !defined(__clang__)
@@ -8,15 +10,10 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
-#include <cpuid.h>
 #include <immintrin.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <algorithm>
-
-// The functions below are compiled for instructions that the rest of the program does not assume.
-#define ALIGNGS_AMX_TARGET __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512bf16,amx-tile,amx-bf16")))
+#include <atomic>
 
 namespace aligngs::nn {
 namespace {
@@ -25,26 +22,6 @@ constexpr int64_t kTileKeyBlock = 256;  // scores of 32 queries: 32 KB
 constexpr int64_t kLane = 16;           // queries side by side in a vector
 constexpr int64_t kDim = kAmxHeadDim;
 constexpr float kTileNever = -1e30f;
-
-bool ask_the_processor() {
-  unsigned a, b, c, d;
-  if (!__get_cpuid_count(7, 0, &a, &b, &c, &d)) return false;
-  constexpr unsigned kAvx512 = 1u << 16 | 1u << 17 | 1u << 30 | 1u << 31;  // F, DQ, BW, VL
-  constexpr unsigned kAmx = 1u << 22 | 1u << 24;                           // BF16, TILE
-  if ((b & kAvx512) != kAvx512 || (d & kAmx) != kAmx) return false;
-  if (!__get_cpuid_count(7, 1, &a, &b, &c, &d) || !(a & 1u << 5)) return false;  // AVX512_BF16
-  // Linux grants the tile registers to a process that asks (since 5.16).
-  constexpr long kRequestPermission = 0x1023, kTileData = 18;
-  return syscall(SYS_arch_prctl, kRequestPermission, kTileData) == 0;
-}
-
-struct alignas(64) TileConfig {
-  uint8_t palette = 1;
-  uint8_t start_row = 0;
-  uint8_t reserved[14] = {};
-  uint16_t row_bytes[16] = {};
-  uint8_t rows[16] = {};
-};
 
 /// Running results of 16 queries.
 struct Lane {
@@ -95,11 +72,15 @@ ALIGNGS_AMX_TARGET void softmax_lane(const float* scores, int64_t keys, const La
   }
 }
 
+/// The compilers' tile loads and stores do not all say that they touch memory.
+inline void memory_fence() { std::atomic_signal_fence(std::memory_order_seq_cst); }
+
 /// scores [keys][16] of two lanes = keys [keys][64] times their queries.
 ALIGNGS_AMX_TARGET void score(const uint16_t* keys, int64_t count, const uint16_t* queries, float* scores0,
                               float* scores1) {
   constexpr int64_t kTileWords = 16 * 32;  // bfloat16 values of a tile
   constexpr int kKeyStride = int(kDim) * 2, kLine = 64;
+  memory_fence();
   _tile_loadd(4, queries, kLine);
   _tile_loadd(5, queries + kTileWords, kLine);
   _tile_loadd(6, queries + 2 * kTileWords, kLine);
@@ -116,12 +97,14 @@ ALIGNGS_AMX_TARGET void score(const uint16_t* keys, int64_t count, const uint16_
     _tile_stored(0, scores0 + k * kLane, kLine);
     _tile_stored(1, scores1 + k * kLane, kLine);
   }
+  memory_fence();
 }
 
 /// sums [64][16] of two lanes += values [keys/32][64][32] times their weights [keys/2][16][2].
 ALIGNGS_AMX_TARGET void gather(const uint16_t* values, int64_t count, const uint16_t* weights0,
                                const uint16_t* weights1, float* sums0, float* sums1) {
   constexpr int kLine = 64;
+  memory_fence();
   for (int64_t d = 0; d < kDim; d += 32) {
     _tile_loadd(0, sums0 + d * kLane, kLine);
     _tile_loadd(1, sums0 + (d + 16) * kLane, kLine);
@@ -142,6 +125,7 @@ ALIGNGS_AMX_TARGET void gather(const uint16_t* values, int64_t count, const uint
     _tile_stored(2, sums1 + d * kLane, kLine);
     _tile_stored(3, sums1 + (d + 16) * kLane, kLine);
   }
+  memory_fence();
 }
 
 ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch) {
@@ -156,12 +140,7 @@ ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch)
   std::fill_n(most, lanes * kLane, kTileNever);
   std::fill_n(total, lanes * kLane, 0.0f);
   std::fill_n(sums, lanes * kLane * kDim, 0.0f);
-  TileConfig config;
-  for (int i = 0; i < 8; ++i) {
-    config.row_bytes[i] = 64;
-    config.rows[i] = 16;
-  }
-  _tile_loadconfig(&config);
+  const TilesInUse tiles;
   for (int64_t begin = 0; begin < block.key_count; begin += kTileKeyBlock) {
     const int64_t valid = std::min(kTileKeyBlock, block.key_count - begin);
     const int64_t count = (valid + kAmxKeys - 1) / kAmxKeys * kAmxKeys;
@@ -180,7 +159,6 @@ ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch)
       gather(block.values + begin * kDim, count, weights0, weights1, lane0.sums, lane1.sums);
     }
   }
-  _tile_release();
   for (int64_t i = 0; i < block.query_count; ++i) {
     const float* column = sums + i / kLane * kLane * kDim + i % kLane;
     const float scale = 1.0f / total[i];
@@ -191,11 +169,6 @@ ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch)
 
 }  // namespace
 
-bool amx_attention_usable() {
-  static const bool usable = ask_the_processor();
-  return usable;
-}
-
 void amx_attention(const AmxAttentionBlock& block, Scratch& scratch) { attend(block, scratch); }
 
 }  // namespace aligngs::nn
@@ -203,7 +176,6 @@ void amx_attention(const AmxAttentionBlock& block, Scratch& scratch) { attend(bl
 #else
 
 namespace aligngs::nn {
-bool amx_attention_usable() { return false; }
 void amx_attention(const AmxAttentionBlock&, Scratch&) {}
 }  // namespace aligngs::nn
 

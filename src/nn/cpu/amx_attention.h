@@ -12,10 +12,7 @@ inline constexpr int64_t kAmxHeadDim = 64;  ///< smaller heads are padded with z
 inline constexpr int64_t kAmxQueries = 32;  ///< queries are padded to a multiple
 inline constexpr int64_t kAmxKeys = 32;     ///< keys are padded to a multiple
 
-/// Whether processor and operating system offer AMX-BF16 and AVX-512 BF16 to this process.
-bool amx_attention_usable();
-
-/// All operands are bfloat16 bits, finite, padding included.
+/// All operands are bfloat16 bits, finite, padding included. Only where amx_usable() (amx_tiles.h).
 struct AmxAttentionBlock {
   const uint16_t* queries;  ///< [queries/16][32 pairs of dimensions][16][2], scaled by log2(e)
   const uint16_t* keys;     ///< [keys][64]
