@@ -3,7 +3,7 @@
 
 #if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
 #define ALIGNGS_WITH_AMX
-/// Of a function for instructions that the rest of the program does not assume.
+/// Marks a function for instructions that the rest of the program does not assume.
 #define ALIGNGS_AMX_TARGET __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512bf16,amx-tile,amx-bf16")))
 #endif
 
