@@ -25,10 +25,9 @@ class ConfirmedPrior : public testing::Test {
   std::string quoted(const std::string& name) const { return "'" + (root_ / name).string() + "'"; }
   /// The mesh with so much of a difference between prior and rendering.
   std::string mesh(const std::string& agreement) const {
-    const auto made =
-        run_aligngs("mesh " + quoted("run") + " -o " + quoted("mesh.ply") +
-                        " -q --set mesh.voxel=0.05 --set mesh.prior_agreement=" + agreement,
-                    root_);
+    const auto made = run_aligngs("mesh " + quoted("run") + " -o " + quoted("mesh.ply") +
+                                      " -q --set mesh.voxel=0.05 --set mesh.prior_agreement=" + agreement,
+                                  root_);
     EXPECT_EQ(made.status, 0) << made.err;
     return read_file(root_ / "mesh.ply");
   }

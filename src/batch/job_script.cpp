@@ -35,11 +35,14 @@ constexpr const char* kSlurm = R"(#!/bin/bash
 #SBATCH --output=aligngs-%A_%a.log
 #SBATCH --open-mode=append
 
+# The signal may come before the step has a number, and ends this script where no trap is set yet.
+step= heard=
+trap 'heard=1; [ -z "$step" ] || kill -USR1 "$step" 2>/dev/null' USR1
 # A step of its own hears what Slurm sends before it preempts or cancels the task.
 srun --ntasks=1 --cpus-per-task="$SLURM_CPUS_PER_TASK" \
   {program} batch {list} -o {folder} --shards {tasks} --threads "$SLURM_CPUS_PER_TASK" &
 step=$!
-trap 'kill -USR1 "$step" 2>/dev/null' USR1
+[ -z "$heard" ] || kill -USR1 "$step" 2>/dev/null
 wait "$step"
 status=$?
 while kill -0 "$step" 2>/dev/null; do  # a signal ended the wait, not the step

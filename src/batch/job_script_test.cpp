@@ -47,7 +47,8 @@ TEST(JobScript, SlurmAsksForAnArrayThatComesBack) {
 TEST(JobScript, AStoppedTaskGoesBackIntoTheQueueUnlessItWasCancelled) {
   const fs::path script = written("notice/slurm.sh", slurm_script(options()));
   const fs::path folder = script.parent_path();
-  written("notice/aligngs", "#!/bin/bash\ntrap 'exit 75' USR1\ntouch ready\nwhile :; do sleep 0.02; done\n");
+  written("notice/aligngs",
+          "#!/bin/bash\ntrap 'exit 75' USR1\ntouch ready\nfor i in $(seq 500); do sleep 0.02; done\n");
   written("notice/srun", "#!/bin/bash\nshift 2\nexec \"$@\"\n");
   written(
       "notice/scontrol",

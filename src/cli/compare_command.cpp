@@ -52,7 +52,7 @@ void compare(const CommandContext& context, const CompareOptions& options) {
   require_extension(options.html, "html");
   const auto require_place = [&](const std::string& file, const std::string& own_beginning) {
     if (file.empty()) return;
-    require_file_place(file);
+    require_output_file(file);
     for (const std::string& run : options.runs) RunFolder(run).require_not_of_run(file, {}, own_beginning);
   };
   require_place(options.csv, comparison_csv({}));  // its header

@@ -102,7 +102,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   if (!picture_file.empty()) {
     if (options.undo || options.list || options.measure || changes_selection || !options.output.empty())
       throw_usage("--picture shows one edit before and after", "use it with an edit or with --dry-run");
-    require_file_place(picture_file);
+    require_output_file(picture_file);
     require_extension(picture_file, "png");
     RunFolder(options.run).require_not_of_run(picture_file, options.scene);
   }

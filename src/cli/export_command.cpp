@@ -182,7 +182,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (texture_size->count() > 0 && !has_texture)
       throw_usage("--texture-size is for a mesh with a texture", "add --textured, or leave --texture-size out");
     require_options_of(format, *options);
-    if (!options->output.empty()) require_file_place(options->output);
+    if (!options->output.empty()) require_output_file(options->output);
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);
     what.file = options->output;

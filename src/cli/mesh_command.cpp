@@ -25,6 +25,7 @@ void require_mesh_places(const fs::path& run, const fs::path& mesh, const fs::pa
   if (!mesh.empty() && !lies_within(mesh, run / "mesh")) folder.require_not_of_run(mesh, scene);
   if (pictures.empty() || lies_within(pictures, run / "renders")) return;
   folder.require_not_of_run(pictures, scene);
+  require_folder_place(pictures);
   std::error_code error;
   if (!fs::exists(pictures, error) || (fs::is_directory(pictures, error) && fs::is_empty(pictures, error))) return;
   throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", pictures, "--pictures",
@@ -74,7 +75,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   add_device_option(*command, options->device);
   command->callback([&context, options] {
     require_settings_of_mesh(options->sets);
-    if (!options->output.empty()) require_file_place(options->output);
+    if (!options->output.empty()) require_output_file(options->output);
     if (!options->output.empty()) require_extension(options->output, "ply");
     LoadedRun run = load_run(
         options->run, {options->scene, context.global.threads, engine_of_device(options->device), options->sets});

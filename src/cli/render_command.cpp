@@ -92,7 +92,7 @@ void draw_path(const CommandContext& context, const RenderCommandOptions& option
 
 void draw_view(const CommandContext& context, const RenderCommandOptions& options) {
   const std::string file = options.output.empty() ? options.view + ".png" : options.output;
-  require_file_place(file);
+  require_output_file(file);
   require_extension(file, "png");
   RunFolder(options.run).require_not_of_run(file, options.scene);
   const PictureSize size = parse_picture_size(options.size);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -127,6 +128,17 @@ void require_folder_place(const fs::path& folder) {
   if (error)
     throw_resources(folder, "the folder cannot be created: " + error.message(), remedy_for_write(error.value()));
   fs::remove(probe, error);
+}
+
+void require_output_file(const fs::path& file) {
+  require_file_place(file);
+  const fs::path folder = real_place(file).parent_path();
+  std::error_code error;
+  if (!fs::exists(folder, error)) return require_folder_place(folder);
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+  const int reason = errno;
+  throw_resources(file, "its folder takes no new file: " + std::generic_category().message(reason),
+                  remedy_for_write(reason));
 }
 
 }  // namespace aligngs

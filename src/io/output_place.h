@@ -32,4 +32,8 @@ void require_extension(const std::filesystem::path& file, const std::string& for
 /// where it is missing and cannot be made. A folder of another name is made beside it for that, and removed.
 void require_folder_place(const std::filesystem::path& folder);
 
+/// Before long work: require_file_place(). Error{kResources} too where the folder of `file` takes no new file, or is missing
+/// and cannot be made.
+void require_output_file(const std::filesystem::path& file);
+
 }  // namespace aligngs

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <optional>
 #include <string>
@@ -141,6 +142,23 @@ TEST_F(OutputPlace, AFileOfAnotherKindIsNeverReplaced) {
 TEST_F(OutputPlace, AFolderThatCannotBeMadeIsAnError) {
   EXPECT_THAT(error_of(ErrorKind::kResources, [] { require_folder_place("/proc/aligngs"); }),
               testing::HasSubstr("/proc/aligngs: the folder cannot be created"));
+}
+
+TEST_F(OutputPlace, AFileIsRefusedWhoseFolderCannotBeMade) {
+  EXPECT_THAT(error_of(ErrorKind::kResources, [] { require_output_file("/proc/aligngs/room.ply"); }),
+              testing::HasSubstr("/proc/aligngs: the folder cannot be created"));
+  EXPECT_THROW(require_output_file(base_), Error) << "a folder";
+  require_output_file(base_ / "new" / "room.ply");
+  EXPECT_FALSE(fs::exists(base_ / "new")) << "nothing is left behind";
+}
+
+TEST_F(OutputPlace, AFileIsRefusedWhoseFolderTakesNone) {
+  if (geteuid() == 0) GTEST_SKIP() << "every folder takes files of root";
+  fs::create_directories(base_ / "closed");
+  fs::permissions(base_ / "closed", fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_THAT(error_of(ErrorKind::kResources, [&] { require_output_file(base_ / "closed" / "room.ply"); }),
+              testing::HasSubstr("its folder takes no new file: Permission denied"));
+  fs::permissions(base_ / "closed", fs::perms::owner_all);
 }
 
 TEST_F(OutputPlace, StandardOutputIsNoFolder) {

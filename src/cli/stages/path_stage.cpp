@@ -76,7 +76,8 @@ Image<uint8_t> picture_of(LoadedRun& run, const Camera& camera) {
 
 void require_free_folder(const fs::path& folder) {
   std::error_code error;
-  if (!fs::exists(folder, error) || (fs::is_directory(folder, error) && fs::is_empty(folder, error))) return;
+  if (!fs::exists(folder, error)) return require_folder_place(folder);
+  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) return;
   throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", folder, "-o",
                "name a new or empty folder, a .mp4 file, or a .png file for one picture"});
 }
@@ -127,7 +128,7 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
       throw Error({ErrorKind::kUsage, "files that end in " + ending + " are not written here", options.output, "-o",
                    "name FILE.mp4, FILE.png or a folder"});
   }
-  if (ending == ".png" || ending == ".mp4") require_file_place(options.output);
+  if (ending == ".png" || ending == ".mp4") require_output_file(options.output);
   if (ending == ".png") return;
   if (ending == ".mp4" && can_write_video()) {
     if (options.size.width % 2 != 0 || options.size.height % 2 != 0)
