@@ -291,9 +291,9 @@ TEST_F(Models, WithoutHomeTheFolderIsThatOfTheUser) {
   const char* home = std::getenv("HOME");
   const std::string before = home ? home : "";
   unsetenv("HOME");
-  const ModelStoreOptions options = ModelStoreOptions::from_environment(true);
+  const ModelStoreOptions found = ModelStoreOptions::from_environment(true);
   if (home) setenv("HOME", before.c_str(), 1);
-  EXPECT_TRUE(options.torch.at(0).is_absolute()) << options.torch.at(0);
+  EXPECT_TRUE(found.torch.at(0).is_absolute()) << found.torch.at(0);
 }
 
 }  // namespace
