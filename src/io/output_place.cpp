@@ -1,5 +1,6 @@
 #include "io/output_place.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -135,7 +136,7 @@ void require_output_file(const fs::path& file) {
   const fs::path folder = real_place(file).parent_path();
   std::error_code error;
   if (!fs::exists(folder, error)) return require_folder_place(folder);
-  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return;
   const int reason = errno;
   throw_resources(file, "its folder takes no new file: " + std::generic_category().message(reason),
                   remedy_for_write(reason));
