@@ -156,7 +156,7 @@ void register_scene(const Scene& scene) {
   add("Step", Step);
   for (const std::string& stage : stage_names()) {
     if (scene.channels == 0 && stage.rfind("semantic", 0) == 0) continue;
-    if (stage == "semantic_rows" && cpu::matrix_tiles_available()) continue;  // the optimiser keeps the rounded rows
+    if (stage == "semantic_rows" && matrix_tiles_available()) continue;  // the optimiser keeps the rounded rows
     add("Op/" + stage, [stage](benchmark::State& state) { Op(state, stage); });
   }
   add("Op/densify", Densify);

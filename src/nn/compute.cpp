@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/huge_pages.h"
-#include "nn/cpu/amx_tiles.h"
+#include "core/matrix_tiles.h"
 #include "nn/cpu/matrix_backend.h"
 #include "nn/network_device.h"
 
@@ -58,7 +58,7 @@ void* Scratch::bytes(size_t count) {
 Compute::Compute(ThreadPool& pool, const ComputeOptions& options)
     : pool_(pool),
       options_(options),
-      amx_(!options.device && options.precision == Precision::kBfloat16 && options.amx && amx_usable()),
+      amx_(!options.device && options.precision == Precision::kBfloat16 && options.amx && matrix_tiles_available()),
       matrices_(matrices_of(options)),
       exact_matrices_(matrices_),
       scratch_(static_cast<size_t>(pool.size())) {

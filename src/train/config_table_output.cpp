@@ -20,8 +20,7 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
        "relative difference up to which plane depth agrees with median depth"},
       {"mesh.prior_agreement", field<&C::mesh, &M::prior_agreement>, 0, 0.5, value(0.02),
        "relative difference up to which prior depth is fused where rendered depth confirms it, and none from twice "
-       "that "
-       "on; for depth that is refined or measured in the photos; 0 = off"},
+       "that on; for depth that is refined or measured in the photos; 0 = off"},
       {"mesh.plane_reach", field<&C::mesh, &M::plane_reach>, 0, 0.5, value(0.03),
        "relative distance up to which labelled walls, floor and ceiling move to their planes; 0 = off"},
       {"mesh.smoothing", field<&C::mesh, &M::smoothing>, 0, 100, value(3.0),

@@ -85,7 +85,7 @@ TEST(StepBenchmarkTest, AStageWithoutWorkIsNotTimed) {
   const StepTiming plain = time_steps(options);
   EXPECT_EQ(plain.stages.count("semantic_rows"), 0u);
   EXPECT_EQ(plain.stages.count("semantics"), 0u);
-  if (!cpu::matrix_tiles_available()) GTEST_SKIP() << "without AMX every step with semantics forms its rows";
+  if (!matrix_tiles_available()) GTEST_SKIP() << "without AMX every step with semantics forms its rows";
   // each step leaves the rounded rows as the next one needs them
   const StepTiming tiles = time_steps(small_benchmark());
   EXPECT_EQ(tiles.stages.count("semantic_rows"), 0u);

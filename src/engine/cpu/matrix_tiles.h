@@ -1,23 +1,12 @@
-// Products of bfloat16 matrices on AMX tiles: detection, and the one kernel that all semantic products use.
+// Products of bfloat16 matrices on AMX tiles: the one kernel that all semantic products use.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
+#include "core/matrix_tiles.h"
+
 namespace aligngs::cpu {
-
-/// The processor has bfloat16 tiles and AVX-512 with bfloat16, and the kernel grants this process the use of tile data.
-/// The first call asks for it. Always false in scalar-only builds.
-bool matrix_tiles_available();
-
-/// Configures this thread's tiles while it lives. Only with matrix_tiles_available(). Not to be nested.
-class MatrixTilesInUse {
- public:
-  MatrixTilesInUse();
-  ~MatrixTilesInUse();
-  MatrixTilesInUse(const MatrixTilesInUse&) = delete;
-  MatrixTilesInUse& operator=(const MatrixTilesInUse&) = delete;
-};
 
 inline constexpr size_t kTileRows = 16;   ///< rows of a tile, and columns of a result in float32
 inline constexpr size_t kTileDepth = 32;  ///< terms of the inner sum per step: 64 bytes of bfloat16

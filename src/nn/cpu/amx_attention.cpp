@@ -1,8 +1,8 @@
 #include "nn/cpu/amx_attention.h"
 
-#include "nn/cpu/amx_tiles.h"
+#include "core/matrix_tiles.h"
 
-#ifdef ALIGNGS_WITH_AMX
+#ifdef ALIGNGS_MATRIX_TILES
 
 // GCC 12 finds its own undefined vectors uninitialised (bug 105593).
 #if defined(__GNUC__) && !defined(__clang__)
@@ -13,7 +13,9 @@
 #include <immintrin.h>
 
 #include <algorithm>
-#include <atomic>
+
+// The functions below are compiled for instructions that the rest of the program does not assume.
+#define ALIGNGS_AMX_TARGET __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512bf16,amx-tile,amx-bf16")))
 
 namespace aligngs::nn {
 namespace {
@@ -72,15 +74,12 @@ ALIGNGS_AMX_TARGET void softmax_lane(const float* scores, int64_t keys, const La
   }
 }
 
-/// The compilers' tile loads and stores do not all say that they touch memory.
-inline void memory_fence() { std::atomic_signal_fence(std::memory_order_seq_cst); }
-
 /// scores [keys][16] of two lanes = keys [keys][64] times their queries.
 ALIGNGS_AMX_TARGET void score(const uint16_t* keys, int64_t count, const uint16_t* queries, float* scores0,
                               float* scores1) {
   constexpr int64_t kTileWords = 16 * 32;  // bfloat16 values of a tile
   constexpr int kKeyStride = int(kDim) * 2, kLine = 64;
-  memory_fence();
+  tile_memory_fence();
   _tile_loadd(4, queries, kLine);
   _tile_loadd(5, queries + kTileWords, kLine);
   _tile_loadd(6, queries + 2 * kTileWords, kLine);
@@ -97,14 +96,14 @@ ALIGNGS_AMX_TARGET void score(const uint16_t* keys, int64_t count, const uint16_
     _tile_stored(0, scores0 + k * kLane, kLine);
     _tile_stored(1, scores1 + k * kLane, kLine);
   }
-  memory_fence();
+  tile_memory_fence();
 }
 
 /// sums [64][16] of two lanes += values [keys/32][64][32] times their weights [keys/2][16][2].
 ALIGNGS_AMX_TARGET void gather(const uint16_t* values, int64_t count, const uint16_t* weights0,
                                const uint16_t* weights1, float* sums0, float* sums1) {
   constexpr int kLine = 64;
-  memory_fence();
+  tile_memory_fence();
   for (int64_t d = 0; d < kDim; d += 32) {
     _tile_loadd(0, sums0 + d * kLane, kLine);
     _tile_loadd(1, sums0 + (d + 16) * kLane, kLine);
@@ -125,7 +124,7 @@ ALIGNGS_AMX_TARGET void gather(const uint16_t* values, int64_t count, const uint
     _tile_stored(2, sums1 + d * kLane, kLine);
     _tile_stored(3, sums1 + (d + 16) * kLane, kLine);
   }
-  memory_fence();
+  tile_memory_fence();
 }
 
 ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch) {
@@ -140,7 +139,7 @@ ALIGNGS_AMX_TARGET void attend(const AmxAttentionBlock& block, Scratch& scratch)
   std::fill_n(most, lanes * kLane, kTileNever);
   std::fill_n(total, lanes * kLane, 0.0f);
   std::fill_n(sums, lanes * kLane * kDim, 0.0f);
-  const TilesInUse tiles;
+  const MatrixTilesInUse tiles;
   for (int64_t begin = 0; begin < block.key_count; begin += kTileKeyBlock) {
     const int64_t valid = std::min(kTileKeyBlock, block.key_count - begin);
     const int64_t count = (valid + kAmxKeys - 1) / kAmxKeys * kAmxKeys;

@@ -12,7 +12,7 @@ inline constexpr int64_t kAmxHeadDim = 64;  ///< smaller heads are padded with z
 inline constexpr int64_t kAmxQueries = 32;  ///< queries are padded to a multiple
 inline constexpr int64_t kAmxKeys = 32;     ///< keys are padded to a multiple
 
-/// All operands are bfloat16 bits, finite, padding included. Only where amx_usable() (amx_tiles.h).
+/// All operands are bfloat16 bits, finite, padding included. Only with matrix_tiles_available().
 struct AmxAttentionBlock {
   const uint16_t* queries;  ///< [queries/16][32 pairs of dimensions][16][2], scaled by log2(e)
   const uint16_t* keys;     ///< [keys][64]
