@@ -25,11 +25,8 @@ void require_mesh_places(const fs::path& run, const fs::path& mesh, const fs::pa
   if (!mesh.empty() && !lies_within(mesh, run / "mesh")) folder.require_not_of_run(mesh, scene);
   if (pictures.empty() || lies_within(pictures, run / "renders")) return;
   folder.require_not_of_run(pictures, scene);
-  require_folder_place(pictures);
-  std::error_code error;
-  if (!fs::exists(pictures, error) || (fs::is_directory(pictures, error) && fs::is_empty(pictures, error))) return;
-  throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", pictures, "--pictures",
-               "name a new or empty folder"});
+  require_empty_folder_place(pictures,
+                             {"the folder for the pictures is taken", "--pictures", "name a new or empty folder"});
 }
 
 /// Settings of the surface, and those that the views of a run are drawn by. Others have done their work in training.

@@ -59,12 +59,7 @@ void write_edited_record(const fs::path& path, RunRecord record, const std::stri
 
 void require_new_folder(const fs::path& folder, const std::vector<fs::path>& sources) {
   require_apart(folder, sources);
-  std::error_code error;
-  if (!fs::exists(folder, error)) return require_folder_place(folder);
-  if (!fs::is_directory(folder, error) || !fs::is_empty(folder, error)) {
-    throw Error(
-        {ErrorKind::kUsage, "the place for the edited run is taken", folder, "-o", "name a new or empty folder"});
-  }
+  require_empty_folder_place(folder, {"the place for the edited run is taken", "-o", "name a new or empty folder"});
 }
 
 EditableRoom centred(const EditableRoom& room) {

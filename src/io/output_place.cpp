@@ -131,6 +131,13 @@ void require_folder_place(const fs::path& folder) {
   fs::remove(probe, error);
 }
 
+void require_empty_folder_place(const fs::path& folder, const TakenFolder& taken) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return require_folder_place(folder);
+  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) return;
+  throw Error({ErrorKind::kUsage, taken.what, folder, taken.field, taken.remedy});
+}
+
 void require_output_file(const fs::path& file) {
   require_file_place(file);
   const fs::path folder = real_place(file).parent_path();

@@ -32,6 +32,16 @@ void require_extension(const std::filesystem::path& file, const std::string& for
 /// where it is missing and cannot be made. A folder of another name is made beside it for that, and removed.
 void require_folder_place(const std::filesystem::path& folder);
 
+/// Why a folder with something in it is refused.
+struct TakenFolder {
+  std::string what;    ///< "the folder for the pictures is taken"
+  std::string field;   ///< option that names it
+  std::string remedy;  ///< "name a new or empty folder"
+};
+
+/// require_folder_place(), and Error{kUsage} where `folder` is a file or has something in it.
+void require_empty_folder_place(const std::filesystem::path& folder, const TakenFolder& taken);
+
 /// Before long work: require_file_place(). Error{kResources} too where the folder of `file` takes no new file, or is missing
 /// and cannot be made.
 void require_output_file(const std::filesystem::path& file);

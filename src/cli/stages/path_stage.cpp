@@ -75,11 +75,8 @@ Image<uint8_t> picture_of(LoadedRun& run, const Camera& camera) {
 }
 
 void require_free_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(folder, error)) return require_folder_place(folder);
-  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) return;
-  throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", folder, "-o",
-               "name a new or empty folder, a .mp4 file, or a .png file for one picture"});
+  require_empty_folder_place(folder, {"the folder for the pictures is taken", "-o",
+                                      "name a new or empty folder, a .mp4 file, or a .png file for one picture"});
 }
 
 /// Calls `take` with every picture in order.
