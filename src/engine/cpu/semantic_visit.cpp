@@ -85,7 +85,8 @@ void SemanticVisit::order_by_blocks() {
 /// Takes the semantic rows of the tile from wherever they lie.
 void SemanticVisit::pack_tile_rows() {
   const size_t padded = pass_.step.padded, depth = padded_depth(padded), count = s_.order.size();
-  const size_t rows = padded_entries(count);
+  // A tile that no splat reaches multiplies nothing, yet forms the addresses of its operands.
+  const size_t rows = std::max(padded_entries(count), kGroup);
   s_.rounded.resize(count);
   for (size_t r = 0; r < count; ++r) {
     const uint32_t gaussian = tile_.rows[s_.order[r]];
