@@ -1,4 +1,4 @@
-// Prior depth in fusion: taken where views of the prior agree with each other and rendered depth confirms it.
+// Prior depth in fusion: taken where it is measured or refined, and rendered depth confirms it.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -40,12 +40,14 @@ class ConfirmedPrior : public testing::Test {
   fs::path root_;
 };
 
-TEST_F(ConfirmedPrior, IsFusedWhereItsViewsAgreeAlone) {
+TEST_F(ConfirmedPrior, IsFusedWhereItIsMeasuredOrRefined) {
   EXPECT_TRUE(mesh("0.02") == mesh("0")) << "depth as a network gave it";
+  set("priors.json", "/depth/model", "sensor");
+  EXPECT_FALSE(mesh("0.02") == mesh("0")) << "depth of a sensor";
+  set("priors.json", "/depth/model", "a network");
+  EXPECT_TRUE(mesh("0.02") == mesh("0"));
   set("scene.json", "/cameras_refined", {{"tracks", 1}});
   EXPECT_FALSE(mesh("0.02") == mesh("0")) << "refined depth";
-  set("priors.json", "/depth/model", "sensor");
-  EXPECT_TRUE(mesh("0.02") == mesh("0")) << "depth of a sensor";
 }
 
 }  // namespace

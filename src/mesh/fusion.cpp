@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "core/quantile.h"
 #include "core/steady_seconds.h"
+#include "mesh/face_filter.h"
 #include "mesh/marching_cubes.h"
 #include "mesh/tsdf_volume.h"
 #include "mesh/unseen_surface.h"
@@ -63,6 +64,7 @@ class Fusion {
           remove_unseen_surface(result.mesh, seeing_cameras(), kUnseenTolerance * report_.metre, pool_);
       report_.cleaning = clean_mesh(result.mesh, component_limits());
       close_holes(result.mesh);
+      filter_noise(result.mesh);
     }
     report_.vertices = result.mesh.vertices.size();
     report_.triangles = result.mesh.triangles.size();
@@ -286,6 +288,13 @@ class Fusion {
     options.max_size = options_.max_hole;
     options.tolerance = kHoleTolerance * report_.metre;
     report_.holes = close_seen_borders(mesh, witnesses, options);
+  }
+
+  void filter_noise(TriangleMesh& mesh) {
+    FaceFilterOptions options;
+    options.rounds = options_.face_filter;
+    options.max_shift = report_.voxel;
+    filter_faces(mesh, options, pool_);
   }
 
   ComponentLimits component_limits() const {

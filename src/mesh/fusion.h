@@ -40,6 +40,7 @@ struct FusionOptions {
   double min_component_area = 0;  ///< 0: 25 cm^2; negative: keep all
   double max_hole = 0;  ///< scene units: holes up to this size are closed where views have seen surface; 0: none
   double min_component_extent = 0;     ///< 0: 10 cm; negative: keep all
+  int face_filter = 0;                 ///< rounds of the filter over face normals; vertices move by a voxel at most
   uint64_t max_bytes = 0;              ///< of the volume and its surface; 0: 80 % of the memory that is free now
   std::shared_ptr<TsdfDevice> device;  ///< where views are fused; none: on the CPU. The result is the same
 };

@@ -227,6 +227,21 @@ TEST(FuseDepth, InterpolatedViewsNeverCreateNorCarveWhatNoTrainingViewSaw) {
   EXPECT_NEAR(sample_surface(result.mesh).area, sample_surface(alone).area, 0.01);
 }
 
+TEST(FuseDepth, TheFaceFilterMovesVerticesByAVoxelAtMost) {
+  const std::vector<FusionFrame> frames = test::ball_views(0.5);
+  FusionOptions options = with_voxel(0.02);
+  const FusionResult before = fuse_depth(frames, options, pool());
+  options.face_filter = 10;
+  const FusionResult after = fuse_depth(frames, options, pool());
+  ASSERT_EQ(after.mesh.vertices.size(), before.mesh.vertices.size());
+  EXPECT_EQ(after.mesh.triangles, before.mesh.triangles);
+  float most = 0;
+  for (size_t v = 0; v < after.mesh.vertices.size(); ++v)
+    most = std::max(most, norm(after.mesh.vertices[v] - before.mesh.vertices[v]));
+  EXPECT_GT(most, 0);
+  EXPECT_LE(most, 0.02f * 1.0001f);
+}
+
 TEST(FuseDepth, TransparentAndFarPixelsAreLeftOut) {
   std::vector<FusionFrame> frames;
   frames.push_back(test::render(test::look_at({0, 0, 0}, {0, 0, 2}, 100, 100, 100), test::room({9, 9, 2})));

@@ -152,6 +152,7 @@ struct MeshConfig {
   double plane_reach{};      ///< |log| of depth within which walls, floor, ceiling move to their planes; 0 = off
   double smoothing{};        ///< pixels over which depth follows the rendered normals; 0 = off
   bool tangent_distance{};   ///< distances from tangent planes
+  int64_t face_filter{};     ///< rounds of the filter over the normals of faces; 0 = off
   double max_hole{};         ///< scene units
   double voxel{}, truncation{}, max_depth{};  ///< scene units
   double alpha_min{}, min_cosine{};

@@ -94,6 +94,7 @@ PresetChanges paper_changes() {
               {"mesh.plane_reach", value(0.0)},
               {"mesh.smoothing", value(0.0)},
               {"mesh.tangent_distance", value(false)},
+              {"mesh.face_filter", value(0)},
               {"mesh.alpha_min", value(0.5)},
               {"mesh.min_cosine", value(0.0)},
               {"mesh.single_view_weight", value(1.0)},

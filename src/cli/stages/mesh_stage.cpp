@@ -40,6 +40,7 @@ FusionOptions fusion_options(const LoadedRun& run) {
   options.min_component_extent = mesh.component_extent;
   options.tangent_distance = mesh.tangent_distance;
   options.max_hole = mesh.max_hole;
+  options.face_filter = static_cast<int>(mesh.face_filter);
   return options;
 }
 
@@ -177,9 +178,9 @@ void add_interpolated(LoadedRun& run, std::vector<FusionFrame>& frames) {
   }
 }
 
-/// Prior depth whose views agree with each other: refined, or measured in the photos. A sensor's has a noise of its own.
-bool has_agreeing_prior(const Scene& scene) {
-  return !is_sensor_depth(scene.prior_source) && (is_refined_scene(scene.folder) || scene.prior_source == kStereoDepth);
+/// Prior depth that is nearer to the surface than rendered depth is: measured by a sensor or in the photos, or refined.
+bool has_measured_prior(const Scene& scene) {
+  return is_sensor_depth(scene.prior_source) || is_refined_scene(scene.folder) || scene.prior_source == kStereoDepth;
 }
 
 /// Prior depth where the frames confirm it. Returns its share per frame; empty maps where there is none.
@@ -187,7 +188,7 @@ std::vector<ImageF> take_confirmed_prior(const LoadedRun& run, std::vector<Fusio
   std::vector<ImageF> shares(frames.size());
   const Scene& scene = run.scene();
   const double agreement = run.config().mesh.prior_agreement;
-  if (!(agreement > 0) || !has_agreeing_prior(scene)) return shares;
+  if (!(agreement > 0) || !has_measured_prior(scene)) return shares;
   const PriorUse use = decide_prior_use(scene, run.config());
   run.pool->parallel_for(scene.train.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
