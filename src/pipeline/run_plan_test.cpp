@@ -27,9 +27,12 @@ using testing::HasSubstr;
 /// Programs of these names are in PATH while it lives. A plan starts none of them.
 class WithPrograms {
  public:
-  WithPrograms(const fs::path& folder, const std::vector<std::string>& names) : before_(std::getenv("PATH")) {
+  /// `script`: of each; without one they fail.
+  WithPrograms(const fs::path& folder, const std::vector<std::string>& names,
+               const std::string& script = "#!/bin/false\n")
+      : before_(std::getenv("PATH")) {
     for (const std::string& name : names) {
-      write_file_atomically(folder / name, "#!/bin/false\n");
+      write_file_atomically(folder / name, script);
       fs::permissions(folder / name, fs::perms::owner_all);
     }
     setenv("PATH", (folder.string() + ":" + before_).c_str(), 1);
@@ -174,6 +177,17 @@ TEST_F(RunPlanTest, PhotosTakeTheBestInstalledNetwork) {
   EXPECT_EQ(made.scene, base_ / "run" / "scene");
 }
 
+TEST_F(RunPlanTest, AMethodTakesItsInstalledNetworkThatAnyoneMayUse) {
+  photos();
+  request_.cameras.method = PosesMethod::kDa3;
+  install("da3-large");
+  EXPECT_THAT(error().what(), HasSubstr("da3-base")) << "the large one has terms";
+  install("da3-small");
+  EXPECT_EQ(plan().step(RunStep::kPoses).network->name, "da3-small");
+  install("da3-base");
+  EXPECT_EQ(plan().step(RunStep::kPoses).network->name, "da3-base");
+}
+
 TEST_F(RunPlanTest, ANetworkWithTermsIsToldWithThem) {
   photos();
   install("vggt-1b");
@@ -205,8 +219,23 @@ TEST_F(RunPlanTest, AMissingProgramIsAnErrorBeforeAnythingIsDone) {
   EXPECT_FALSE(fs::exists(base_ / "run"));
 }
 
-TEST_F(RunPlanTest, FramesOfAVideoAreOfUnknownSize) {
+constexpr const char* kProbeOfAVideo =
+    "#!/bin/sh\necho '{\"streams\": [{\"width\": 640, \"height\": 480, \"avg_frame_rate\": \"30/1\", \"duration\": "
+    "\"9\"}]}'\n";
+
+TEST_F(RunPlanTest, AVideoThatCannotBeReadIsRefusedBeforeAnythingStarts) {
   const WithPrograms programs(base_ / "bin", {"ffmpeg", "ffprobe"});
+  request_.source = base_ / "room.mp4";
+  write_file_atomically(request_.source, "no frames");
+  install("da3-small");
+  const Error refused = error();
+  EXPECT_EQ(refused.kind(), ErrorKind::kBadInput);
+  EXPECT_THAT(refused.what(), AllOf(HasSubstr("room.mp4"), HasSubstr("ffprobe cannot read it")));
+  EXPECT_FALSE(fs::exists(base_ / "run"));
+}
+
+TEST_F(RunPlanTest, FramesOfAVideoAreOfUnknownSize) {
+  const WithPrograms programs(base_ / "bin", {"ffmpeg", "ffprobe"}, kProbeOfAVideo);
   request_.source = base_ / "room.mp4";
   write_file_atomically(request_.source, "frames");
   install("da3-small");

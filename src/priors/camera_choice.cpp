@@ -24,9 +24,21 @@ namespace {
                            size("recommended"), size("light"))});
 }
 
-/// The named weights, else the method's own.
-std::string weights_of_method(const CameraRequest& request, PosesMethod method) {
-  if (request.model.empty()) return default_camera_teacher(method).model;
+/// The method's own weights, or the best installed ones of the method that anyone may use where those are missing.
+std::string best_weights_of_method(PosesMethod method, const ModelStore& store) {
+  const std::string own = default_camera_teacher(method).model;
+  if (store.installed(published_model(own))) return own;
+  for (const Teacher* teacher : camera_teachers()) {
+    const PublishedModel& model = published_model(teacher->model);
+    const bool free = model.licence.commercial && model.licence.question.empty();
+    if (method_of(*teacher) == method && free && store.installed(model)) return model.name;
+  }
+  return own;
+}
+
+/// The named weights, else the method's best.
+std::string weights_of_method(const CameraRequest& request, PosesMethod method, const ModelStore& store) {
+  if (request.model.empty()) return best_weights_of_method(method, store);
   const Teacher* const named = find_camera_teacher(request.model);
   if (named && method_of(*named) == method) return request.model;
   throw_usage(fmt::format("{} is no network of --method {}", request.model, word_of(method)),
@@ -49,12 +61,12 @@ CameraChoice choice_of(const CameraRequest& request, const ModelStore& store) {
     return {PosesMethod::kColmap, "", "the program COLMAP finds the cameras", false};
   if (request.method == PosesMethod::kGiven) return {PosesMethod::kGiven, "", "the cameras are given", false};
   if (request.method != PosesMethod::kAuto) {
-    const std::string model = weights_of_method(request, request.method);
+    const std::string model = weights_of_method(request, request.method, store);
     return {request.method, model, model + " finds the cameras, as asked for", false};
   }
   if (!request.cameras.empty()) return {PosesMethod::kGiven, "", "the cameras are given", false};
   if (request.model.empty() && (request.camera_from_rays || request.metres == MetresChoice::kNetwork)) {
-    const std::string model = default_camera_teacher(PosesMethod::kDa3).model;
+    const std::string model = best_weights_of_method(PosesMethod::kDa3, store);
     return {PosesMethod::kDa3, model, model + " finds the cameras: an option asks for da3", false};
   }
   if (!request.model.empty()) {
@@ -83,7 +95,7 @@ CameraChoice choose_cameras(const CameraRequest& request, const ModelStore& stor
 const PublishedModel* installed_camera_network(const CameraRequest& request, const ModelStore& store) {
   std::string model = request.model;
   if (is_camera_network_method(request.method))
-    model = weights_of_method(request, request.method);
+    model = weights_of_method(request, request.method, store);
   else if (model.empty()) {
     const Teacher* const best = installed_camera_teacher(store);
     if (!best) return nullptr;

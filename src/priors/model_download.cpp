@@ -13,8 +13,8 @@
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
 #include "io/file_system_error.h"
-#include "io/weight_file.h"
 #include "priors/http_download.h"
+#include "priors/model_identity.h"
 
 namespace aligngs {
 
@@ -31,18 +31,6 @@ constexpr uint64_t kProgressUnit = 1'000'000;
 
 bool digest_agrees(const ModelFile& file, const std::string& sha256) {
   return sha256.compare(0, file.sha256.size(), file.sha256) == 0;
-}
-
-/// The tensors that show what a file is; "" when they are there.
-std::string probe_problem(const fs::path& path, const ModelFile& file) {
-  try {
-    const auto tensors = WeightFile::open(path)->tensors();
-    if (tensors.count(file.probe) == 0 && tensors.count(file.other_probe) == 0)
-      return "it holds no tensor \"" + file.probe + "\"";
-    return "";
-  } catch (const Error& error) {
-    return error.details().message;
-  }
 }
 
 /// One process at a time fetches a model.
@@ -120,7 +108,7 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
   if (!digest_agrees(file, record.sha256)) {
     problem = fmt::format("its SHA-256 is {}, the published one begins {}", record.sha256, file.sha256);
   } else {
-    problem = probe_problem(part, file);
+    problem = identity_problem(part, file).message;
   }
   if (!problem.empty()) {
     fs::remove(part, ignored);
@@ -198,19 +186,18 @@ void download_model(const ModelStore& store, const PublishedModel& model, const 
 fs::path import_model_file(const ModelStore& store, const PublishedModel& model, const fs::path& source) {
   if (!fs::is_regular_file(source)) throw_bad_input(source, "", "there is no such file", "check the path");
   const ModelFile* found = nullptr;
-  std::string problems;
+  std::string problems, remedy;
   for (const ModelFile& file : model.files) {
-    const std::string problem = probe_problem(source, file);
-    if (problem.empty()) {
+    const IdentityProblem problem = identity_problem(source, file);
+    if (problem.message.empty()) {
       found = &file;
       break;
     }
-    if (problems.find(problem) == std::string::npos) problems += (problems.empty() ? "" : "; ") + problem;
+    if (problems.find(problem.message) == std::string::npos)
+      problems += (problems.empty() ? "" : "; ") + problem.message;
+    remedy = problem.remedy;
   }
-  if (!found) {
-    wrong_file(source, "", "these are not the weights of \"" + model.name + "\": " + problems,
-               "check which model the file belongs to with `aligngs models list`");
-  }
+  if (!found) wrong_file(source, "", "these are not the weights of \"" + model.name + "\": " + problems, remedy);
   ModelStore::Record record;
   record.sha256 = sha256_of_file(source);
   if (!digest_agrees(*found, record.sha256)) {
@@ -264,7 +251,7 @@ std::vector<ModelFileState> verify_model(const ModelStore& store, const Publishe
     if (state.sha256.compare(0, expected.size(), expected) != 0) {
       state.problem = "its SHA-256 is " + state.sha256 + ", expected " + expected;
     } else {
-      state.problem = probe_problem(located->path, file);
+      state.problem = identity_problem(located->path, file).message;
     }
     state.good = state.problem.empty();
     states.push_back(state);

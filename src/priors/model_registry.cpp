@@ -46,7 +46,9 @@ PublishedModel backbone(const Dinov2Size& size) {
                   size.backbone_megabytes * kMegabyte,
                   false,
                   "",
-                  "blocks.0.attn.qkv.weight"}};
+                  "blocks.0.attn.qkv.weight",
+                  "",
+                  static_cast<int64_t>(size.channels)}};
   return model;
 }
 
@@ -157,9 +159,15 @@ PublishedModel lpips() {
 
 enum class Da3Terms { kFree, kNonCommercial };
 
+/// A tensor that tells a file of Depth Anything 3 from others. `columns`: as of ModelFile.
+struct Da3Probe {
+  std::string tensor;
+  int64_t columns = 0;
+};
+
 /// Depth Anything 3. `repository`: on Hugging Face.
 PublishedModel da3(const std::string& name, const std::string& repository, Da3Terms terms, const std::string& purpose,
-                   uint64_t bytes, bool exact, const std::string& probe) {
+                   uint64_t bytes, bool exact, const Da3Probe& probe) {
   const std::string page = "https://huggingface.co/depth-anything/" + repository;
   PublishedModel model;
   model.name = name;
@@ -174,20 +182,24 @@ PublishedModel da3(const std::string& name, const std::string& repository, Da3Te
                   bytes,
                   exact,
                   "",
-                  probe}};
+                  probe.tensor,
+                  "",
+                  probe.columns}};
   return model;
 }
 
 /// Sizes of small and base follow from their tensors; those of the metric and the large network are published.
 void add_da3(std::vector<PublishedModel>& models) {
   const std::string cameras = "cameras and depth from photos alone (Depth Anything 3, ";
-  const std::string any = "model.cam_dec.fc_t.weight", sky = "model.head.scratch.sky_output_conv2.0.weight";
-  models.push_back(da3("da3-small", "DA3-SMALL", Da3Terms::kFree, cameras + "Small)", 137248940, false, any));
-  models.push_back(da3("da3-base", "DA3-BASE", Da3Terms::kFree, cameras + "Base)", 541518028, false, any));
+  // The camera branch takes local and global tokens together: twice the channels of the trunk.
+  const auto any = [](int64_t channels) { return Da3Probe{"model.cam_dec.fc_t.weight", 2 * channels}; };
+  const Da3Probe sky = {"model.head.scratch.sky_output_conv2.0.weight"};
+  models.push_back(da3("da3-small", "DA3-SMALL", Da3Terms::kFree, cameras + "Small)", 137248940, false, any(384)));
+  models.push_back(da3("da3-base", "DA3-BASE", Da3Terms::kFree, cameras + "Base)", 541518028, false, any(768)));
   models.push_back(
-      da3("da3-large", "DA3-LARGE-1.1", Da3Terms::kNonCommercial, cameras + "Large)", 1643843860, true, any));
-  models.push_back(
-      da3("da3-giant", "DA3-GIANT-1.1", Da3Terms::kNonCommercial, cameras + "Giant)", 4600 * kMegabyte, false, any));
+      da3("da3-large", "DA3-LARGE-1.1", Da3Terms::kNonCommercial, cameras + "Large)", 1643843860, true, any(1024)));
+  models.push_back(da3("da3-giant", "DA3-GIANT-1.1", Da3Terms::kNonCommercial, cameras + "Giant)", 4600 * kMegabyte,
+                       false, any(1536)));
   models.push_back(da3("da3metric-large", "DA3METRIC-LARGE", Da3Terms::kFree,
                        "metric depth and sky of one photo (Depth Anything 3)", 1336734448, true, sky));
 }

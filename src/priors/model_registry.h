@@ -27,6 +27,8 @@ struct ModelFile {
   std::string sha256;            ///< published digest or its first digits; empty: none is published
   std::string probe;             ///< a tensor that tells such a file from others
   std::string other_probe = {};  ///< the same in another layout of names; may be empty
+  /// Last dimension of the probe in the published file, where models of several widths share it; 0: they do not.
+  int64_t probe_columns = 0;
 };
 
 struct PublishedModel {

@@ -19,6 +19,7 @@
 #include "io/atomic_file.h"
 #include "io/file_system_error.h"
 #include "io/json_text.h"
+#include "priors/model_identity.h"
 #include "scene/sha256.h"
 
 namespace aligngs {
@@ -180,7 +181,16 @@ std::vector<fs::path> ModelStore::require(const PublishedModel& model) const {
                  how_to_get(*this, model)});
   }
   std::vector<fs::path> paths;
-  for (const ModelFile& file : model.files) paths.push_back(find(model, file)->path);
+  for (const ModelFile& file : model.files) {
+    paths.push_back(find(model, file)->path);
+    const std::string other = other_model_in(paths.back(), file);
+    if (other.empty()) continue;
+    const ModelLicence& licence = published_model(other).licence;
+    throw Error({ErrorKind::kWeights, "this file holds \"" + other + "\", not \"" + model.name + "\"", paths.back(),
+                 file.probe,
+                 "remove it here, and use it under its own name and licence (" + licence.id +
+                     "): aligngs models import " + other + " FILE"});
+  }
   return paths;
 }
 

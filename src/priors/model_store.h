@@ -46,7 +46,8 @@ class ModelStore {
   /// Whether all files of the model and of what it needs are there.
   bool installed(const PublishedModel& model) const;
   /// The files of the model itself. Error{kWeights} when a file of it, or of a model that it needs,
-  /// is missing. The error names the download command, the size and the searched places.
+  /// is missing. The error names the download command, the size and the searched places. Error{kWeights} also where a
+  /// file holds another published model (other_model_in), whose licence may be another one.
   std::vector<std::filesystem::path> require(const PublishedModel& model) const;
 
   /// SHA-256 of a file that find() returned: the recorded one while its size and time stay, or the

@@ -184,6 +184,38 @@ TEST_F(Models, ImportRefusesOtherWeights) {
   EXPECT_FALSE(store().installed(model));
 }
 
+TEST_F(Models, WeightsOfAnotherSizeAreRefusedUnderAWrongName) {
+  const PublishedModel& base = published_model("da3-base");
+  TensorFile large;
+  large.tensors[base.files[0].probe] = tensor_of(std::vector<float>(3 * 2048), {3, 2048});
+  fs::create_directories(folder);
+  write_safetensors(folder / "model.safetensors", large);
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { import_model_file(store(), base, folder / "model.safetensors"); }),
+              testing::AllOf(HasSubstr("it holds \"da3-large\""), HasSubstr("models import da3-large")));
+  const fs::path by_hand = store().own_path(base, base.files[0]);
+  fs::create_directories(by_hand.parent_path());
+  fs::copy_file(folder / "model.safetensors", by_hand);
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { store().require(base); }),
+              testing::AllOf(HasSubstr("da3-large"), HasSubstr("CC-BY-NC-4.0")));
+}
+
+TEST_F(Models, WeightsOfAnUnknownSizeAreTakenUnderAnyName) {
+  const PublishedModel& base = published_model("da3-base");
+  TensorFile toy;
+  toy.tensors[base.files[0].probe] = tensor_of(std::vector<float>(3 * 64), {3, 64});
+  fs::create_directories(folder);
+  write_safetensors(folder / "model.safetensors", toy);
+  import_model_file(store(), base, folder / "model.safetensors");
+  EXPECT_EQ(store().require(base).size(), 1u);
+}
+
+TEST_F(Models, ImportSaysThatACutFileIsDamaged) {
+  const std::string whole = bytes_of_a_good_file();
+  write_file_atomically(folder / "cut.safetensors", whole.substr(0, whole.size() - 4));
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { import_model_file(store(), model, folder / "cut.safetensors"); }),
+              HasSubstr("copy or download the whole file again"));
+}
+
 TEST_F(Models, ImportRefusesAFileThatIsNotThePublishedOne) {
   model.files[0].sha256 = "0000";
   put(folder / "file.safetensors");

@@ -215,12 +215,12 @@ CheckedPhotos check_photos(const fs::path& source, const fs::path& scene, const 
     throw_usage("--method given needs the photos that the cameras were found for, not a video",
                 "give the folder of these photos, or another --method");
   }
-  if (is_camera_network_method(options.method)) store.require(published_model(options.model));
   CheckedPhotos checked;
   if (video)
     require_readable_video(source);
   else
     checked = check_folder(source, source, options);
+  if (is_camera_network_method(options.method)) store.require(published_model(options.model));
   if (options.method == PosesMethod::kColmap) require_colmap();
   return checked;
 }

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr size_t kFewestFrames = 2;    // of a video: one photo tells no depth
 constexpr int kCandidatesPerView = 8;  // a hand shakes for a fraction of a step between two photos
 constexpr int kFrameSmallWidth = 384;  // pixels of a candidate: enough to tell blur of more than a few pixels
 
@@ -37,13 +38,20 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
-VideoStream stream_of(const fs::path& video, const fs::path& folder) {
+[[noreturn]] void refuse_few(const fs::path& video, size_t frames) {
+  refuse(video, fmt::format("it has {} frame{}, and two are needed", frames, frames == 1 ? "" : "s"));
+}
+
+VideoStream stream_of(const fs::path& video) {
   std::string text;
   const ChildResult result = run_child({"ffprobe", "-v", "error", "-select_streams", "v:0", "-show_streams",
                                         "-show_format", "-of", "json", video.string()},
-                                       folder / "ffprobe.log", [&](const std::string& line) { text += line + "\n"; });
+                                       "/dev/null", [&](const std::string& line) { text += line + "\n"; });
   if (result.status != 0) refuse(video, "ffprobe cannot read it: " + last_line(result.last_lines));
-  return parse_video_probe(text, video);
+  const VideoStream stream = parse_video_probe(text, video);
+  const auto frames = size_t(std::lround(stream.frames));
+  if (frames < kFewestFrames) refuse_few(video, frames);
+  return stream;
 }
 
 /// A run of ffmpeg with progress; `filter` ends with what makes the frames.
@@ -95,15 +103,17 @@ std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int heigh
 void require_readable_video(const fs::path& video) {
   if (!fs::is_regular_file(video))
     throw_bad_input(video, "", "there is no such file", "give a video, or a folder of photos");
-  if (!find_program("ffmpeg").empty() && !find_program("ffprobe").empty()) return;
-  throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
-               "apt-get install ffmpeg, or give a folder of photos"});
+  if (find_program("ffmpeg").empty() || find_program("ffprobe").empty()) {
+    throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
+                 "apt-get install ffmpeg, or give a folder of photos"});
+  }
+  stream_of(video);
 }
 
 VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {
   require_readable_video(video);
   make_folders(folder);
-  const VideoStream stream = stream_of(video, folder);
+  const VideoStream stream = stream_of(video);
   const FrameChoiceFilter filter = filter_of(stream, options.views);
   const int width = std::min(stream.width, kFrameSmallWidth),
             height = std::max(3, int(double(stream.height) * width / stream.width + 0.5));
@@ -114,9 +124,7 @@ VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folde
   const std::vector<FrameFeatures> features = features_of(raw, width, height);
   fs::remove(raw);
   const std::vector<size_t> chosen = choose_frames(features, size_t(options.views));
-  if (chosen.size() < 2)
-    refuse(video,
-           fmt::format("it has {} frame{}, and two are needed", features.size(), features.size() == 1 ? "" : "s"));
+  if (chosen.size() < kFewestFrames) refuse_few(video, features.size());
 
   // The same filter gives the same candidates, so that their numbers name frames of full size.
   std::string select = filter.begin + "select='";

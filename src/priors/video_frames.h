@@ -21,7 +21,8 @@ struct VideoFramesReport {
   double exposure_walk = 1;
 };
 
-/// Error{kBadInput} without such a file, Error{kFailed} where ffmpeg or ffprobe is not in PATH. The file is not read.
+/// Error{kBadInput} without such a file, or where ffprobe finds no picture or fewer than two frames. Error{kFailed} where
+/// ffmpeg or ffprobe is not in PATH. The frames themselves are not read.
 void require_readable_video(const std::filesystem::path& video);
 
 /// At most kMostVideoRate frames a second are looked at, and all of a clip that has few.
