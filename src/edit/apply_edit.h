@@ -8,6 +8,7 @@
 
 #include "core/thread_pool.h"
 #include "edit/edit_operation.h"
+#include "edit/length_unit.h"
 #include "edit/room_selections.h"
 #include "edit/row_id.h"
 #include "edit/selection.h"
@@ -32,6 +33,7 @@ struct EditableRoom {
   LabelSet labels;
   std::optional<Vec3d> up;                           ///< unit, world; when the scene knows it
   bool metric = false;                               ///< scene units are metres
+  LengthUnit length_unit;                            ///< of lengths in warnings
   std::vector<Camera> cameras;                       ///< of the training photos, world; empty where they are not known
   std::shared_ptr<const RoomSelections> selections;  ///< drawn by hand; null: none
 };

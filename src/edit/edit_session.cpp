@@ -20,7 +20,6 @@
 #include "gaussians/restructure.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
-#include "room/room_json.h"
 #include "train/camera_outputs.h"
 #include "train/run_folder.h"
 
@@ -65,6 +64,9 @@ TrainingState EditSession::read_state() const {
 }
 
 EditReport EditSession::carry_out(EditableRoom& room, const EditOperation& edit) {
+  const bool places =
+      edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate || edit.kind == EditKind::kReplace;
+  if (places) room.length_unit = length_unit();  // of their warnings
   const bool asks_probabilities = edit.threshold.kind != ThresholdRule::Kind::kArgmax && room.gaussians.has_labels();
   if (asks_probabilities && room.gaussians.soft.label.empty()) {
     if (soft_.label.empty()) soft_ = smoothed_labels(read_state().engine.model, original_.gaussians.extent, *pool_);
@@ -208,22 +210,13 @@ EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
   return report;
 }
 
-std::optional<double> EditSession::metres_of_unit() const {
-  const fs::path file = folder() / "room.json";
-  if (fs::exists(file)) {
-    const MeasuredRoom measured = read_room(file);
-    if (measured.metric) return measured.to_room.scale;
-  }
-  return scene().metric ? std::optional<double>(1) : std::nullopt;
-}
-
 EditRequest EditSession::understand(std::string_view text) const {
   const Vocabulary vocabulary = vocabulary_of(room());
   EditRequest request = read_request(text, vocabulary);
   if (request.undo) return request;
   try {
     const bool in_metres = request.edit.motion.in_metres;
-    settle_motion(room(), in_metres ? metres_of_unit() : std::nullopt, request.edit);
+    settle_motion(room(), in_metres ? length_unit().metres : std::nullopt, request.edit);
     return request;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;

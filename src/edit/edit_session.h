@@ -74,8 +74,8 @@ class EditSession {
   /// Reads a sentence (edit_text.h). Error{kUsage} with the three nearest readings for what this room does not
   /// understand.
   EditRequest understand(std::string_view text) const;
-  /// Metres of a scene unit: those of room.json, which has a scale that a person gave. Nothing where nobody knows.
-  std::optional<double> metres_of_unit() const;
+  /// As room.json or the scene has it now (length_unit_of).
+  LengthUnit length_unit() const { return length_unit_of(folder(), scene()); }
   /// Writes the room with the stack and one more edit as a run of its own, and returns what the edit did. `out` must
   /// be absent or an empty folder (Error{kUsage}); it appears complete or not at all. Error{kBadInput} for a run
   /// without checkpoints: the new run could not be rendered.

@@ -1,7 +1,5 @@
 #include "edit/listed_objects.h"
 
-#include <fmt/format.h>
-
 #include "edit/relation/room_objects.h"
 
 namespace aligngs {
@@ -18,12 +16,6 @@ std::vector<ListedObject> listed_objects(const EditableRoom& room) {
     out.push_back(std::move(listed));
   }
   return out;
-}
-
-std::string sides_text(const Vec3d& sides, std::optional<double> metres) {
-  if (!metres) return fmt::format("{:.2f} x {:.2f} x {:.2f} units", sides.x, sides.y, sides.z);
-  const double cm = 100 * *metres;
-  return fmt::format("{:.0f} x {:.0f} x {:.0f} cm", cm * sides.x, cm * sides.y, cm * sides.z);
 }
 
 }  // namespace aligngs

@@ -19,7 +19,4 @@ struct ListedObject {
 /// By class, then by number.
 std::vector<ListedObject> listed_objects(const EditableRoom& room);
 
-/// "77 x 75 x 91 cm"; `metres`: of a scene unit. Without them the unit is that of the scene: "0.77 x 0.75 x 0.91 units".
-std::string sides_text(const Vec3d& sides, std::optional<double> metres);
-
 }  // namespace aligngs

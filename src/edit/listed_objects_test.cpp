@@ -36,11 +36,5 @@ TEST_F(ObjectList, HasNoSizesWithoutAnUpDirection) {
   for (const ListedObject& object : listed_objects(flat)) EXPECT_FALSE(object.sides) << object.name;
 }
 
-TEST(ObjectSides, AreCentimetresWhereTheScaleIsKnown) {
-  EXPECT_EQ(sides_text({0.77, 0.5, 1.804}, 1.0), "77 x 50 x 180 cm");
-  EXPECT_EQ(sides_text({0.77, 0.5, 1.8}, 2.0), "154 x 100 x 360 cm");
-  EXPECT_EQ(sides_text({0.77, 0.5, 1.8}, {}), "0.77 x 0.50 x 1.80 units");
-}
-
 }  // namespace
 }  // namespace aligngs

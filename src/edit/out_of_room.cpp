@@ -87,9 +87,7 @@ std::string out_of_room(const EditableRoom& room, const std::vector<uint8_t>& se
   }
   if (worst == kBeyondPlaces) return "";
   constexpr const char* kWords[] = {"into a wall", "below the floor", "above the ceiling", "out of the room"};
-  const std::string length =
-      room.metric ? fmt::format("{:.0f} cm", 100 * is[worst]) : fmt::format("{:.2g} scene units", is[worst]);
-  return fmt::format("{} reaches {} {}", placement.name, length, kWords[worst]);
+  return fmt::format("{} reaches {} {}", placement.name, length_text(is[worst], room.length_unit), kWords[worst]);
 }
 
 }  // namespace aligngs

@@ -14,7 +14,7 @@ using testing::StartsWith;
 class OutOfRoom : public testing::Test {
  protected:
   OutOfRoom() : room_(small_room::make(pool_)) {
-    room_.metric = true;
+    room_.length_unit.metres = 1;
     for (const uint16_t l : room_.gaussians.labels.label) box_.push_back(l == small_room::kBox);
   }
   std::string after(const Vec3d& shift) {
@@ -44,8 +44,10 @@ TEST_F(OutOfRoom, BesideTheRoom) { EXPECT_THAT(after({3, 0, 0}), HasSubstr("out 
 
 TEST_F(OutOfRoom, LengthsHaveTheUnitOfTheRoom) {
   EXPECT_THAT(after({0, 0.3, 0}), HasSubstr(" cm "));
-  room_.metric = false;
+  room_.length_unit = {};
   EXPECT_THAT(after({0, 0.3, 0}), HasSubstr("scene units"));
+  room_.length_unit = {2, true};
+  EXPECT_THAT(after({0, 0.3, 0}), HasSubstr(" cm (estimated) "));
 }
 
 }  // namespace

@@ -128,10 +128,6 @@ class ThingsAround {
   std::optional<double> ground_;
 };
 
-std::string length_text(const EditableRoom& room, double length) {
-  return room.metric ? fmt::format("{:.0f} cm", 100 * length) : fmt::format("{:.2g}", length);
-}
-
 /// Things that an object shares more columns with than it did before.
 std::vector<Instance> hit_things(const std::map<std::pair<uint16_t, uint16_t>, size_t>& was,
                                  const std::map<std::pair<uint16_t, uint16_t>, size_t>& is) {
@@ -167,7 +163,8 @@ std::string way_out(const EditableRoom& room, const ThingsAround& around, const 
       const PlanColumn to = around.column_of(way.first * ((step + 0.5) * around.edge()));
       const PlanColumn shift{to.first - origin.first, to.second - origin.second};
       if (!hit_things(was, around.shared(object, room.gaussians.extent, shift)).empty()) continue;
-      return fmt::format("move {} {} {}", placement.name, length_text(room, (step + 0.5) * around.edge()), way.second);
+      return fmt::format("move {} {} {}", placement.name,
+                         length_to_type((step + 0.5) * around.edge(), room.length_unit), way.second);
     }
   }
   return "";
@@ -200,9 +197,9 @@ std::vector<std::string> placement_warnings(const EditableRoom& room, const std:
     const double usual = std::max({0.0, *was, feet}), flight = *is - usual;
     const bool hung = usual >= kHangs * extent;
     if (!hung && flight > kFloats * extent) {
-      const std::string length = length_text(room, flight);
       out.push_back(fmt::format("{} floats {} above what is below it; \"move {} {} down\" puts it there",
-                                placement.name, length, placement.name, length));
+                                placement.name, length_text(flight, room.length_unit), placement.name,
+                                length_to_type(flight, room.length_unit)));
     }
   }
   const auto shared_before = others.shared(before, extent);

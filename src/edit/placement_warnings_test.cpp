@@ -16,7 +16,7 @@ using testing::IsEmpty;
 class PlacementWarnings : public testing::Test {
  protected:
   PlacementWarnings() : room_(small_room::make(pool_)) {
-    room_.metric = true;
+    room_.length_unit.metres = 1;
     Camera camera;
     camera.world_to_camera.translation = {0, 0, 3};  // at z = -3
     room_.cameras = {camera};
@@ -69,8 +69,8 @@ TEST_F(PlacementWarnings, ACopyCollidesWithItsOriginal) {
 TEST_F(PlacementWarnings, AMovedObjectDoesNotCollideWithItself) { EXPECT_THAT(after({0.1, 0, 0}), IsEmpty()); }
 
 TEST_F(PlacementWarnings, LengthsHaveTheUnitOfTheRoom) {
-  room_.metric = false;
-  EXPECT_THAT(after({0, -0.3, -0.6}), ElementsAre(HasSubstr("floats 0.3 above")));
+  room_.length_unit = {};
+  EXPECT_THAT(after({0, -0.3, -0.6}), ElementsAre(HasSubstr("floats 0.3 scene units above")));
 }
 
 TEST_F(PlacementWarnings, ARoomWithoutUpSaysNothing) {

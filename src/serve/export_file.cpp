@@ -73,7 +73,7 @@ void require_free(const EditSession& session, const RunExportFormat& format, con
 /// Scene units.
 double millimetre(const EditSession& session) {
   constexpr double kMillimetre = 1e-3;  // metres
-  if (const std::optional<double> metres = session.metres_of_unit()) return kMillimetre / *metres;
+  if (const std::optional<double> metres = session.length_unit().metres) return kMillimetre / *metres;
   throw_bad_input(session.folder(), "--error", "an error in millimetres needs a scale, and this run has none",
                   "give it one with aligngs scale, or use --triangles");
 }
@@ -122,6 +122,7 @@ HtmlSceneInfo html_info(const EditSession& session) {
   HtmlSceneInfo info;
   info.name = std::filesystem::weakly_canonical(run).filename().string();
   info.metric = session.scene().metric;
+  info.estimated = session.scene().units_estimate.has_value();
   info.cameras = run / "cameras.json";
   info.room = run / "room.json";
   info.notes = run / "page.json";

@@ -178,6 +178,7 @@ std::string packed_scene(const HtmlParts& parts, const HtmlSceneInfo& info) {
                        {"splats", "scene.ply"},
                        {"mesh", meshes ? OrderedJson("mesh.ply") : OrderedJson()},
                        {"units", info.metric ? "metres" : "arbitrary"},
+                       {"units_estimated", info.estimated},
                        {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : OrderedJson()}};
   state["up"] = room.up ? OrderedJson{room.up->x, room.up->y, room.up->z} : OrderedJson();
   state["cameras"] = cameras.is_array() ? cameras : OrderedJson();

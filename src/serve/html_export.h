@@ -13,6 +13,7 @@ namespace aligngs {
 struct HtmlSceneInfo {
   std::string name;               ///< shown as the title
   bool metric = false;            ///< the scene's units are metres
+  bool estimated = false;         ///< a network estimates them
   std::filesystem::path cameras;  ///< cameras.json of the run; left out when it cannot be read
   std::filesystem::path room;     ///< room.json of the run, for the plan and sizes; left out when it cannot be read
   std::string room_text;          ///< the content of room.json with the edits; empty: that of the file

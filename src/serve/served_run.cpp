@@ -81,7 +81,8 @@ Json ServedRun::description() const {
       {"report", false},           {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
       {"active", false},           {"editable", false},       {"edited", false},         {"edits", nullptr},
       {"drawable", false},         {"not_editable", nullptr}, {"room", nullptr},         {"room_version", nullptr},
-      {"problems", Json::array()}, {"notes", nullptr},        {"selections", nullptr},   {"start", nullptr}};
+      {"problems", Json::array()}, {"notes", nullptr},        {"selections", nullptr},   {"start", nullptr},
+      {"units_estimated", false}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -134,6 +135,7 @@ Json ServedRun::description() const {
     const Json description = descriptions.object(scene, "scene.json");
     state["up"] = json_field(description, "up");
     state["units"] = json_field(description, "units");
+    state["units_estimated"] = !json_field(description, "units_estimate").is_null();
   }
   state["start"] = start_pose_json(start_pose(state["cameras"], state["up"]));
   state["problems"] = descriptions.problems();

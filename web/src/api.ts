@@ -19,7 +19,7 @@ export interface RunState {
   edits: string | null;               // version of the edits
   selections: string | null;          // version of the selections by hand
   drawable: boolean;                  // the server draws pictures of the trained room
-  splats: string | null; mesh: string | null; up: [number, number, number] | null; start: { eye: number[]; target: number[] } | null; units: string | null;
+  splats: string | null; mesh: string | null; up: [number, number, number] | null; start: { eye: number[]; target: number[] } | null; units: string | null; units_estimated: boolean;
   classes: ClassInfo[] | null; cameras: CameraInfo[] | null;
   views: Record<string, { split: string; kinds: string[] }>;
   train: { iterations?: number; gaussians?: number; seconds?: number } | null;

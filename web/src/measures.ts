@@ -8,10 +8,19 @@ import { type Viewer } from './viewer';
 
 const kDigits = 4; // of a coordinate: tenths of a millimetre in a scene in metres
 
+/// The unit of lengths, as far as it is known.
+export interface LengthScale {
+  metres: number | null; // of a scene unit; null: nothing tells the scale
+  estimated: boolean;    // the metres are a network's estimate
+  scalable: boolean;     // a known length may set the scale
+  given: boolean;        // one has
+}
+
 export class Measures {
   active = false;
   private first: Vec3 | null = null;
   private metres: number | null = null; // of a scene unit
+  private estimated = false; // the metres are a network's
   private scalable = false; // a known length may set the scale
 
   /// `scaled`: the run has another scale.
@@ -44,14 +53,14 @@ export class Measures {
     this.keeper.set({ measurements: [...measurements, measured].slice(-kMostNotes) });
   }
 
-  /// The list, and the lines in the picture. `metres`: of a scene unit; null: nothing tells the scale. `scalable`: a known
-  /// length may set it. `given`: one has.
-  show(metres: number | null, scalable: boolean, given: boolean): void {
-    this.metres = metres;
-    this.scalable = scalable;
+  /// The list, and the lines in the picture.
+  show(scale: LengthScale): void {
+    this.metres = scale.metres;
+    this.estimated = scale.estimated;
+    this.scalable = scale.scalable;
     const { measurements } = this.keeper.notes;
     element('measure-box').hidden = measurements.length === 0;
-    element('scale-reset').hidden = !scalable || !given;
+    element('scale-reset').hidden = !scale.scalable || !scale.given;
     const typing = this.asking && element('measures').childElementCount === measurements.length; // its row stays
     if (!typing) this.list();
     this.draw();
@@ -101,6 +110,7 @@ export class Measures {
   }
 
   private text(distance: number): string {
-    return this.metres !== null ? `${(distance * this.metres).toFixed(3)} m` : `${distance.toFixed(3)} scene units`;
+    if (this.metres === null) return `${distance.toFixed(3)} scene units`;
+    return `${(distance * this.metres).toFixed(3)} m${this.estimated ? ' (estimated)' : ''}`;
   }
 }

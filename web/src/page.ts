@@ -168,6 +168,7 @@ export class Page {
 
   /// Metres of a scene unit; null: nothing tells the scale.
   private get metres(): number | null { return this.plan.metres ?? (this.state.units === 'metres' ? 1 : null); }
+  private get estimated(): boolean { return this.plan.metres !== null ? this.plan.estimated : this.state.units === 'metres' && this.state.units_estimated; }
   private get canScale(): boolean { return !kExported && this.state.room !== null && !this.state.active; }
 
   /// Another scale: lengths read anew.
@@ -178,7 +179,8 @@ export class Page {
 
   private showNotes(): void {
     this.views.show();
-    this.measures.show(this.metres, this.canScale, this.plan.given);
+    this.measures.show({ metres: this.metres, estimated: this.estimated, scalable: this.canScale, given: this.plan.given });
+    for (const note of document.querySelectorAll<HTMLElement>('.estimate')) note.hidden = !this.estimated;
   }
 
   /// Lists the objects after the next picture, which does not need them. Those of the first splats are listed where the

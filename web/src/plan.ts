@@ -44,6 +44,8 @@ export class Plan {
 
   /// Metres of a scene unit, by the room's scale; null: there is no room, or nothing tells its scale.
   get metres(): number | null { return this.room?.units === 'metres' ? this.room.scale.units_per_scene_unit : null; }
+  /// Whether the metres are those of a network.
+  get estimated(): boolean { return this.room?.scale.source === 'network estimate'; }
   /// Whether a user has given the scale.
   get given(): boolean { return this.room?.scale.source === 'given'; }
 

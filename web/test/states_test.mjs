@@ -35,6 +35,17 @@ await withBrowser(async (browser) => {
   for (let i = 0; i < 50 && await points() === before; ++i) await sleep(100);
   check(await points() === before + 1, 'a torn line among the events loses that line alone');
 
+  // Metres of a network are called an estimate beside the lengths.
+  const estimate = page.locator('#object-box .estimate');
+  check(await estimate.isHidden(), 'known metres have no remark');
+  await page.evaluate(() => {
+    const shown = window.aligngs.page;
+    if (shown.plan.room) shown.plan.room.scale.source = 'network estimate';
+    shown.state.units_estimated = true;
+    shown.showScale();
+  });
+  check(await estimate.isVisible(), "a network's metres are called an estimate");
+
   // Messages go.
   await page.evaluate(() => window.aligngs.page.messages.show('a mistake', 'error'));
   await page.locator('#message-close').click();

@@ -47,6 +47,7 @@ TexturePhotos load_texture_photos(const Scene& scene, const TriangleMesh& surfac
   options.prior_depth = options.semantics = false;
   options.exposure = has_exposures(scene);
   double sharpest = 0;
+  int narrowest = kSharpnessWidth;  // pixels
   for (const int v : scene.train) {
     const Camera& camera = scene.views[static_cast<size_t>(v)].camera;
     options.scale = std::min(1.0, static_cast<double>(largest) / std::max(camera.width, camera.height));
@@ -56,9 +57,12 @@ TexturePhotos load_texture_photos(const Scene& scene, const TriangleMesh& surfac
     photo.color = to_bytes(view.color);
     if (!view.mask.empty()) photo.mask = to_bytes(view.mask);
     photo.depth = rays.cast(view.camera, pool).depth;
-    photo.sharpness = static_cast<float>(std::sqrt(sharpness(photo.color)));
-    sharpest = std::max(sharpest, static_cast<double>(photo.sharpness));
+    narrowest = std::min(narrowest, photo.camera.width);
     out.photos.push_back(std::move(photo));
+  }
+  for (TexturePhoto& photo : out.photos) {
+    photo.sharpness = static_cast<float>(std::sqrt(sharpness(photo.color, narrowest)));
+    sharpest = std::max(sharpest, static_cast<double>(photo.sharpness));
   }
   for (TexturePhoto& photo : out.photos)
     photo.sharpness = sharpest > 0 ? std::max(0.1f, static_cast<float>(photo.sharpness / sharpest)) : 1.0f;
