@@ -39,6 +39,15 @@ double times_of_points(const PointCloud& points, std::span<const Camera> cameras
   return times > kAlike || times < 1 / kAlike ? times : 0;
 }
 
+/// Median distance of cameras from their middle, scene units.
+double spread_of(std::span<const Camera> cameras) {
+  Vec3d middle;
+  for (const Camera& camera : cameras) middle += camera.centre() * (1.0 / static_cast<double>(cameras.size()));
+  std::vector<double> distances;
+  for (const Camera& camera : cameras) distances.push_back(norm(camera.centre() - middle));
+  return median_of(std::move(distances));
+}
+
 const char* text_of(Misreading misreading) {
   switch (misreading) {
     case Misreading::kAxes:
@@ -63,6 +72,10 @@ std::optional<DepthContradiction> depth_contradiction(std::span<const Camera> ca
   const double typical = median_depth(depths);
   if (metric && typical > 0 && (typical < kNear || typical > kFar))
     return DepthContradiction{fmt::format("the median depth is {:.3g} m, which is no room", typical)};
+  constexpr double kLeastOfSpread = 0.01;  // a walk through a long corridor has some 0.05
+  if (const double spread = spread_of(cameras); typical > 0 && typical < kLeastOfSpread * spread)
+    return DepthContradiction{
+        fmt::format("the median depth is {:.2g} % of the cameras' distance from their middle", 100 * typical / spread)};
   if (const double times = times_of_points(points, cameras, depths); times > 0)
     return DepthContradiction{fmt::format("depth is {:.3g} times the distance of the points that came with it", times),
                               1 / times};

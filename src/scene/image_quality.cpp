@@ -7,8 +7,6 @@
 namespace aligngs {
 namespace {
 
-constexpr int kMaxWidth = 640;  // pixels; the blur of larger photos is compared at this size
-
 ImageF luminance(const Image<uint8_t>& image) {
   ImageF out(image.width, image.height, 1);
   for (size_t i = 0; i < out.data.size(); ++i) {
@@ -20,12 +18,12 @@ ImageF luminance(const Image<uint8_t>& image) {
 
 }  // namespace
 
-double sharpness(const Image<uint8_t>& image) {
+double sharpness(const Image<uint8_t>& image, int width) {
   ImageF y = luminance(image);
-  if (y.width > kMaxWidth) {
-    const int height = static_cast<int>(std::lround(static_cast<double>(y.height) * kMaxWidth / y.width));
+  if (y.width > width) {
+    const int height = static_cast<int>(std::lround(static_cast<double>(y.height) * width / y.width));
     if (height < 1) return 0;
-    y = resize_area(y, kMaxWidth, height);
+    y = resize_area(y, width, height);
   }
   if (y.width < 3 || y.height < 3) return 0;
   double sum = 0, squares = 0;

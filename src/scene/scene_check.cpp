@@ -56,9 +56,9 @@ void note_error(ViewFindings& findings, const fs::path& path, Check check) {
   }
 }
 
-void check_image(const View& view, ViewFindings& findings) {
+void check_image(const View& view, int width, ViewFindings& findings) {
   const Image<uint8_t> image = read_view_photo(view);
-  findings.sharpness = sharpness(image);
+  findings.sharpness = sharpness(image, width);
   findings.luminance = mean_luminance(image);
   if (!view.mask.empty()) {
     const Image<uint8_t> mask = read_view_mask(view, view.camera.width, view.camera.height);
@@ -70,7 +70,8 @@ void check_image(const View& view, ViewFindings& findings) {
   const bool used = std::any_of(image.data.begin(), image.data.end(),
                                 [&, i = size_t(0)](uint8_t value) mutable { return i++ % 4 == 3 && value >= 128; });
   if (!used) {
-    add(findings, view.image, "alpha", "the mask hides the whole image", "remove the alpha channel or the view", true);
+    add(findings, view.image, "alpha", "the mask hides the whole image",
+        "remove the mask of this photo (its alpha channel, or its file in masks/), or leave the photo out", true);
   }
 }
 
@@ -173,14 +174,21 @@ void check_truth(const Scene& scene, int index, ViewFindings& findings) {
 }
 
 /// Decodes the files of one view; files that a problem was already found for are left out.
-ViewFindings check_view(const Scene& scene, int index, const std::vector<SceneProblem>& known) {
+/// Pixels: the width at which photos of several sizes compare.
+int width_to_compare(const Scene& scene, const std::vector<int>& used) {
+  int width = kSharpnessWidth;
+  for (const int view : used) width = std::min(width, scene.views[static_cast<size_t>(view)].camera.width);
+  return width;
+}
+
+ViewFindings check_view(const Scene& scene, int index, int width, const std::vector<SceneProblem>& known) {
   const View& view = scene.views[index];
   const auto good = [&](const fs::path& path) {
     return !path.empty() &&
            std::none_of(known.begin(), known.end(), [&](const SceneProblem& p) { return p.path == path; });
   };
   ViewFindings findings;
-  if (good(view.image)) note_error(findings, view.image, [&] { check_image(view, findings); });
+  if (good(view.image)) note_error(findings, view.image, [&] { check_image(view, width, findings); });
   if (good(view.prior_depth)) {
     note_error(findings, view.prior_depth, [&] { check_depth(scene, view, findings); });
     note_error(findings, view.prior_depth, [&] { check_confidence(scene, view, findings); });
@@ -269,8 +277,9 @@ std::vector<SceneProblem> check_scene(const Scene& scene) {
   std::vector<ViewFindings> findings(used.size());
   ThreadPool pool(thread_count(scene, used));
   const std::vector<SceneProblem> known = problems;
+  const int width = width_to_compare(scene, used);
   pool.parallel_for(used.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t k = begin; k < end; ++k) findings[k] = check_view(scene, used[k], known);
+    for (size_t k = begin; k < end; ++k) findings[k] = check_view(scene, used[k], width, known);
   });
   for (ViewFindings& f : findings) {
     std::move(f.problems.begin(), f.problems.end(), std::back_inserter(problems));

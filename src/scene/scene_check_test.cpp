@@ -332,6 +332,16 @@ TEST(VisiblePoints, PointsBehindOthersAreHidden) {
   EXPECT_EQ(visible_points(cloud, camera_at(0)), (std::vector<uint32_t>{0, 2}));
 }
 
+TEST(ImageQuality, PhotosOfSeveralSizesCompareAtTheWidthOfTheNarrowest) {
+  const Image<uint8_t> small = textured_image(1);
+  Image<uint8_t> large(2 * kWidth, 2 * kHeight, 3);
+  for (int y = 0; y < large.height; ++y)
+    for (int x = 0; x < large.width; ++x)
+      for (int c = 0; c < 3; ++c) large.at(x, y, c) = small.at(x / 2, y / 2, c);
+  EXPECT_LT(sharpness(large, 2 * kWidth), 0.8 * sharpness(small)) << "the same picture";
+  EXPECT_NEAR(sharpness(large, kWidth), sharpness(small), 1e-3 * sharpness(small));
+}
+
 TEST(ImageQuality, BlurLowersSharpness) {
   Image<uint8_t> sharp = textured_image(1), blurred = sharp;
   for (int y = 1; y < kHeight - 1; ++y)

@@ -72,6 +72,21 @@ std::set<fs::path> masks_of(const std::vector<fs::path>& photos) {
   return masks;
 }
 
+/// Tells where find_mask() looks in this folder for the mask of a photo, with one of the photos.
+std::string name_of_a_mask(const fs::path& around, const std::vector<fs::path>& photos) {
+  fs::path photo = "images/a.jpg";
+  for (const fs::path& candidate : photos) {
+    if (!is_below(plain_path(candidate), around)) continue;
+    photo = plain_path(candidate).lexically_relative(around);
+    break;
+  }
+  fs::path from_there = photo;
+  if (photo.has_parent_path()) from_there = photo.lexically_relative(*photo.begin());
+  const std::string whole = as_utf8((kMaskFolder / from_there).generic_string());
+  const std::string bare = as_utf8((kMaskFolder / from_there.parent_path() / from_there.stem()).generic_string());
+  return fmt::format("name a mask as its photo: {} has {}.png or {}.png", as_utf8(photo.generic_string()), whole, bare);
+}
+
 }  // namespace
 
 std::vector<SceneProblem> unused_masks(const fs::path& folder, const std::vector<fs::path>& photos,
@@ -95,15 +110,14 @@ std::vector<SceneProblem> unused_masks(const fs::path& folder, const std::vector
       if (masks.empty()) continue;
       const std::string example = as_utf8(masks.front().lexically_relative(entry->path()).string());
       const bool misnamed = name != kMaskFolder && masks.size() == all;
-      problems.push_back({entry->path(), kMaskFolder,
-                          misnamed            ? fmt::format("{} {} in {}/ not used: the folder is not called {}/", all,
-                                                 all == 1 ? "picture is" : "pictures are", as_utf8(name), kMaskFolder)
-                          : masks.size() == 1 ? fmt::format("a mask in {}/ fits no photo: {}", kMaskFolder, example)
-                                              : fmt::format("{} masks in {}/ fit no photo, e.g. {}", masks.size(),
-                                                            kMaskFolder, example),
-                          misnamed ? fmt::format("rename the folder to {}/", kMaskFolder)
-                                   : "name a mask as its photo: images/a.jpg has masks/a.jpg.png or masks/a.png",
-                          false});
+      problems.push_back(
+          {entry->path(), kMaskFolder,
+           misnamed ? fmt::format("{} {} in {}/ not used: the folder is not called {}/", all,
+                                  all == 1 ? "picture is" : "pictures are", as_utf8(name), kMaskFolder)
+           : masks.size() == 1
+               ? fmt::format("a mask in {}/ fits no photo: {}", kMaskFolder, example)
+               : fmt::format("{} masks in {}/ fit no photo, e.g. {}", masks.size(), kMaskFolder, example),
+           misnamed ? fmt::format("rename the folder to {}/", kMaskFolder) : name_of_a_mask(around, photos), false});
     }
   }
   return problems;

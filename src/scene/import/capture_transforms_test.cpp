@@ -77,9 +77,9 @@ class TransformsTest : public CaptureTest {
             fields, matrix, frame_fields));
     return read_capture(folder_);
   }
-  std::string error_of(const std::string& fields) {
+  std::string error_of(const std::string& fields, const std::string& frame = "") {
     try {
-      read(fields);
+      read(fields, frame);
     } catch (const Error& error) {
       return error.what();
     }
@@ -153,6 +153,8 @@ TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
   for (const char* key : {"integer_depth_scale", "depth_unit_scale_factor"}) {
     const Capture capture = read(fmt::format(R"(, "{}": 0.0002)", key), frame);
     EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 0.4f) << key;
+    EXPECT_THAT(error_of(fmt::format(R"(, "{}": 0)", key), frame), HasSubstr(key));
+    EXPECT_EQ(read(fmt::format(R"(, "{}": 0)", key)).frames.size(), 1u) << "without depth";
   }
 }
 

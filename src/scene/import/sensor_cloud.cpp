@@ -19,17 +19,29 @@ std::string unit_remedy(double unit, double factor) {
       unit, unit * factor);
 }
 
+/// No depth where the alpha of a photo hides at least half of a pixel.
+void hide_depth(const ImageF& alpha, ImageF& depth) {
+  constexpr float kSeen = 0.5f;
+  for (size_t i = 0; i < depth.data.size(); ++i) {
+    if (alpha.data[i] < kSeen) depth.data[i] = 0;
+  }
+}
+
 }  // namespace
 
 void SensorCloud::add(const Camera& camera, const ImageF& depth, const Image<uint8_t>& pixels) {
   ImageF color = to_float(pixels);
-  if (color.channels == 4) {
-    ImageF rgb(color.width, color.height, 3);
-    for (size_t i = 0; i < rgb.pixels(); ++i) std::copy_n(&color.data[4 * i], 3, &rgb.data[3 * i]);
-    color = std::move(rgb);
-  }
   cameras_.push_back(camera.resized(depth.width, depth.height));
   depths_.push_back(depth);
+  if (color.channels == 4) {
+    ImageF rgb(color.width, color.height, 3), alpha(color.width, color.height, 1);
+    for (size_t i = 0; i < rgb.pixels(); ++i) {
+      std::copy_n(&color.data[4 * i], 3, &rgb.data[3 * i]);
+      alpha.data[i] = color.data[4 * i + 3];
+    }
+    color = std::move(rgb);
+    hide_depth(resize_area(alpha, depth.width, depth.height), depths_.back());
+  }
   colors_.push_back(resize_area(color, depth.width, depth.height));
 }
 

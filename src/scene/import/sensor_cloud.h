@@ -15,7 +15,7 @@ namespace aligngs {
 /// Keeps what the cloud needs of each training view.
 class SensorCloud {
  public:
-  /// `depth` may be smaller than the picture of `camera`; alpha of `pixels` plays no part.
+  /// `depth` may be smaller than the picture of `camera`. Pixels that the alpha of `pixels` hides have no depth.
   void add(const Camera& camera, const ImageF& depth, const Image<uint8_t>& pixels);
   bool empty() const { return cameras_.empty(); }
   /// A warning where something speaks against the depth (scene/depth_contradiction.h), else empty. `unit`: scene units

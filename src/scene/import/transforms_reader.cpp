@@ -81,13 +81,15 @@ fs::path named_file(const PhotoLookup& files, const fs::path& folder, const std:
   return folder / name;
 }
 
-/// Scene units per stored depth value, of the frame or the file; 0 where neither says it.
-double depth_unit_of(const TransformsFields& fields, const fs::path& file) {
-  const double nerfstudio = fields.number("depth_unit_scale_factor", 0), ngp = fields.number("integer_depth_scale", 0);
-  if (nerfstudio < 0 || ngp < 0)
-    throw_bad_input(file, nerfstudio < 0 ? "depth_unit_scale_factor" : "integer_depth_scale",
-                    "a positive number expected", "scene units per stored depth value");
-  return nerfstudio > 0 ? nerfstudio : ngp;
+/// Scene units per stored depth value, of the frame or the file; 0 where neither says it. Files without depth may say 0.
+double depth_unit_of(const TransformsFields& fields, bool has_depth, const fs::path& file) {
+  for (const char* name : {"depth_unit_scale_factor", "integer_depth_scale"}) {
+    const double unit = fields.number(name, 0);
+    if (unit > 0) return unit;
+    if (unit < 0 || (has_depth && fields.find(name) != nullptr))
+      throw_bad_input(file, name, "a positive number expected", "scene units per stored depth value");
+  }
+  return 0;
 }
 
 class FrameReader {
@@ -116,7 +118,7 @@ class FrameReader {
     const ImageInfo info = read_image_info(frame.image);
     set_camera(frame, fields.camera(info.stored_width, info.stored_height), transforms_.file);
     frame.depth = depth(fields);
-    if (const double unit = depth_unit_of(fields, transforms_.file); unit > 0)
+    if (const double unit = depth_unit_of(fields, !frame.depth.empty(), transforms_.file); unit > 0)
       frame.depth_scale *= unit / capture_.depth_unit;
     if (const std::string mask = fields.text("mask_path"); !mask.empty()) {
       frame.mask = named_file(files_, folder_, mask);
@@ -250,7 +252,7 @@ CapturedCloud read_points(const fs::path& file, Capture& capture) {
 
 void set_depth_unit(const Transforms& transforms, Capture& capture) {
   const TransformsFields fields(transforms.document, transforms.document, transforms.file);
-  if (const double unit = depth_unit_of(fields, transforms.file); unit > 0) capture.depth_unit = unit;
+  if (const double unit = depth_unit_of(fields, false, transforms.file); unit > 0) capture.depth_unit = unit;
 }
 
 }  // namespace

@@ -44,9 +44,9 @@ PinholeView pinhole_view(const CapturedFrame& frame) {
 
 constexpr double kUnreadable = -1;  // sharpness of a photo that cannot be decoded
 
-double sharpness_of(const CapturedFrame& frame) {
+double sharpness_of(const CapturedFrame& frame, int width) {
   try {
-    return sharpness(read_photo(frame.image, frame.upright));
+    return sharpness(read_photo(frame.image, frame.upright), width);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
     return kUnreadable;
@@ -85,10 +85,13 @@ std::vector<int> sharp_candidates(const std::vector<double>& scores, const ViewS
   return kept;
 }
 
-std::vector<double> sharpness_of_frames(const Capture& capture, ThreadPool& pool) {
-  std::vector<double> scores(capture.frames.size());
+std::vector<double> sharpness_of_frames(const Capture& capture, const std::vector<int>& frames, ThreadPool& pool) {
+  uint64_t narrowest = kSharpnessWidth;
+  for (const int i : frames) narrowest = std::min(narrowest, capture.frames[i].camera.width);
+  const int width = static_cast<int>(narrowest);
+  std::vector<double> scores(frames.size());
   pool.parallel_for(scores.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) scores[i] = sharpness_of(capture.frames[i]);
+    for (size_t i = begin; i < end; ++i) scores[i] = sharpness_of(capture.frames[frames[i]], width);
   });
   return scores;
 }
@@ -163,7 +166,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
   std::iota(all.begin(), all.end(), 0);
   if (options.count >= n) return all;
 
-  std::vector<int> candidates = sharp_candidates(sharpness_of_frames(capture, pool), options);
+  std::vector<int> candidates = sharp_candidates(sharpness_of_frames(capture, all, pool), options);
   // what cannot be read is left out by the import
   if (static_cast<int>(candidates.size()) < options.count) candidates = all;
   const int m = static_cast<int>(candidates.size());
@@ -253,10 +256,7 @@ std::vector<int> select_test_views(const Capture& capture, const std::vector<int
   const std::vector<int>& source = are_enough(far) ? far : are_enough(near) ? near : all;
   std::vector<int> chosen;
   const int wanted = std::min<int>(count, static_cast<int>(source.size()));
-  std::vector<double> scores(source.size());
-  pool.parallel_for(source.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) scores[i] = sharpness_of(capture.frames[source[i]]);
-  });
+  const std::vector<double> scores = sharpness_of_frames(capture, source, pool);
   for (int k = 0; k < wanted; ++k) {  // the sharpest of each of `wanted` equal stretches
     const size_t low = source.size() * k / wanted, high = source.size() * (k + 1) / wanted;
     size_t best = low;
