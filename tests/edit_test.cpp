@@ -292,6 +292,8 @@ TEST_F(EditCommand, MistakesAreClearAndChangeNothing) {
   expect("--say 'delte bed'", 2, "did you mean \"delete bed\"");
   expect("--say 'undo the second edit'", 2, "no edit to undo");
   expect("--say 'delete bed' --select bed", 2, "--say");
+  expect("--undo --select bed --recolor blue", 2, "--undo is a command of its own");
+  expect("--list --select bed", 2, "--list is a command of its own");
   expect("--select bed --delete --threshold 7", 2, "no threshold");
   expect("--select everything --delete", 3, "nothing would be left");
   expect("--select everything --move=1,0,0", 3, "nothing else remains that could hold");

@@ -1,5 +1,7 @@
 #include "cli/edit_options.h"
 
+#include <fmt/format.h>
+
 #include "cli/number_checks.h"
 #include "core/error.h"
 #include "edit/color_names.h"
@@ -11,6 +13,16 @@
 namespace aligngs {
 
 namespace {
+
+bool moves_or_copies(const EditOptions& options) {
+  return options.duplicate || !options.move.empty() || (!options.turn.empty() && options.replace.empty());
+}
+
+/// Number of operations that the options ask for.
+int operations_of(const EditOptions& options) {
+  return options.remove + options.extract + moves_or_copies(options) + !options.replace.empty() +
+         !options.recolor.empty() + !options.highlight.empty();
+}
 
 /// With --say everything about the edit is in the sentence.
 void require_only_a_sentence(const EditOptions& options) {
@@ -41,6 +53,10 @@ void require_consistent(const EditOptions& options) {
   if (options.undo + options.list + options.dry_run + options.measure + renames + removes > 1) {
     throw_usage("--undo, --list, --dry-run, --measure, --rename-selection and --remove-selection exclude each other");
   }
+  if ((options.undo || options.list) && (!options.select.empty() || operations_of(options) > 0)) {
+    throw_usage(fmt::format("{} is a command of its own", options.undo ? "--undo" : "--list"),
+                "leave out the edit here, and make it with another `aligngs edit`");
+  }
   if ((renames || removes) && (says || !options.select.empty() || !options.output.empty())) {
     throw_usage("a selection is renamed or removed by itself", "leave out the edit and -o");
   }
@@ -50,11 +66,8 @@ void require_consistent(const EditOptions& options) {
 
 EditOperation operation_of(const EditOptions& options) {
   EditOperation edit;
-  const bool replaces = !options.replace.empty();
-  const bool moves = options.duplicate || !options.move.empty() || (!options.turn.empty() && !replaces);
-  const int operations =
-      options.remove + options.extract + moves + replaces + !options.recolor.empty() + !options.highlight.empty();
-  if (operations != 1)
+  const bool replaces = !options.replace.empty(), moves = moves_or_copies(options);
+  if (operations_of(options) != 1)
     throw_usage(
         "an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --replace, --recolor, "
         "--highlight",

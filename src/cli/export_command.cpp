@@ -133,7 +133,8 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->add_option("-f,--format", options->format, fmt::format("format: {}", fmt::join(run_export_formats(), ", ")))
       ->required();
   command->add_option("-o,--output", options->output,
-                      "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
+                      "file to write (default: scene.<format> in the run, scene.edited.<format> after edits, and "
+                      "scene.export.ply for ply)");
   CLI::Option* only =
       command
           ->add_option("--only", options->only,

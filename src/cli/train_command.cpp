@@ -38,7 +38,7 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
                                        {"warnings", result.warnings}};
       print_json(document);
     } else if (result.already_finished) {
-      std::printf("%s: finished already (%lld iterations); -n beyond that extends it\n", options.output.c_str(),
+      std::printf("%s: finished already (%lld iterations)\n", options.output.c_str(),
                   static_cast<long long>(result.iterations));
     } else {
       std::printf("%s: %lld iterations in %s, %llu Gaussians, training PSNR %.2f dB\n", options.output.c_str(),

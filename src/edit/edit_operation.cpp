@@ -22,7 +22,7 @@ constexpr uint64_t kLargestFile = uint64_t(1) << 20;  // bytes
 constexpr size_t kMostEdits = 1000;                   // replayed one after the other
 constexpr size_t kLongestSelection = 4096;            // bytes, as in selection_text
 constexpr size_t kLongestSource = 4096;               // bytes: PATH_MAX of Linux
-constexpr const char* kRepair = "undo it with `aligngs edit RUN --undo`, or remove edits.json to forget all edits";
+constexpr const char* kRepair = "put a good copy of the file back, or remove it to forget all edits";
 
 constexpr std::pair<EditKind, const char*> kKinds[] = {
     {EditKind::kDelete, "delete"},       {EditKind::kExtract, "extract"}, {EditKind::kMove, "move"},

@@ -1,6 +1,7 @@
 #include "edit/nearest_readings.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/edit_distance.h"
 #include "core/letter_case.h"
@@ -74,6 +75,23 @@ bool is_small_word(const std::string& word) {
   return std::find(std::begin(kSmall), std::end(kSmall), word) != std::end(kSmall);
 }
 
+/// Sizes, sides, ordinals and colours near a mistyped word, nearest first. It is half right at least.
+std::vector<std::string_view> describing_words_near(const std::string& word) {
+  constexpr std::string_view kWords[] = {"largest", "biggest", "smallest", "tallest", "shortest", "left",   "right",
+                                         "middle",  "first",   "second",   "third",   "last",     "dark",   "light",
+                                         "pale",    "bright",  "red",      "green",   "blue",     "yellow", "orange",
+                                         "brown",   "white",   "black",    "grey",    "gray",     "purple", "pink"};
+  std::vector<std::pair<size_t, std::string_view>> near;
+  for (const std::string_view known : kWords) {
+    const size_t distance = edit_distance(word, std::string(known));
+    if (distance > 0 && 2 * distance <= word.size()) near.emplace_back(distance, known);
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string_view> out;
+  for (const auto& [distance, known] : near) out.push_back(known);
+  return out;
+}
+
 /// `object` with one stretch of its words replaced by a known name, so that it is understood; nearest first.
 std::vector<std::string> objects_near(const std::string& verb, const std::string& object,
                                       const Vocabulary& vocabulary) {
@@ -103,6 +121,13 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
         if (!is_understood(verb + " " + text, vocabulary)) continue;
         readings.push_back({edit_distance(name, known), text});
       }
+    }
+  }
+  for (const size_t begin : begins) {
+    const size_t end = std::min(object.find_first_of(" ,", begin), object.size());
+    for (const std::string_view known : describing_words_near(object.substr(begin, end - begin))) {
+      const std::string text = object.substr(0, begin) + std::string(known) + object.substr(end);
+      if (is_understood(verb + " " + text, vocabulary)) readings.push_back({0, text});
     }
   }
   // A word that is no part of a name may be too much: "the red pillow" is a pillow.

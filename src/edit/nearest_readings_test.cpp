@@ -57,6 +57,12 @@ TEST_F(NearestReadings, EveryReadingIsUnderstood) {
 
 TEST_F(NearestReadings, WhatIsUnderstoodHasNone) { EXPECT_THAT(of("delete bed"), IsEmpty()); }
 
+TEST_F(NearestReadings, AMistypedSizeOrColourIsReplaced) {
+  EXPECT_EQ(of("delete the bigest lamp").at(0), "delete the biggest lamp");
+  EXPECT_EQ(of("highlight the smalest bench").at(0), "highlight the smallest bench");
+  EXPECT_EQ(of("recolor bed drak green").at(0), "recolor bed dark green");
+}
+
 TEST_F(NearestReadings, AWordTooMuchIsLeftOut) {
   EXPECT_EQ(of("delete the rusty lamp")[0], "delete the lamp");
   EXPECT_EQ(of("highlight the ugly bench")[0], "highlight the bench");

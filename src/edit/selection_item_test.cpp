@@ -110,6 +110,7 @@ TEST(SelectionItem, SeveralOfTheLargest) {
 
 TEST(SelectionItem, TheSecondLargest) {
   EXPECT_EQ(understood("the second largest chair"), "2nd largest chair");
+  EXPECT_EQ(understood("the second-largest chair"), "2nd largest chair");
   EXPECT_EQ(understood("3rd smallest chair"), "3rd smallest chair");
   EXPECT_EQ(understood("the first largest chair"), "largest chair");
 }

@@ -288,9 +288,14 @@ std::string ordinal_text(int number) {
 int take_ordinal(std::string_view& item) {
   std::string_view rest = trimmed(item);
   take_phrase(rest, "the");
-  const std::string word = lower_case(rest.substr(0, rest.find_first_of(" \t")));
+  const std::string word = lower_case(rest.substr(0, rest.find_first_of(" \t-")));
   const int number = ordinal_number(word);
-  if (number == 0 || !take_phrase(rest, word)) return 0;
+  if (number == 0) return 0;
+  const bool hyphen = rest.size() > word.size() + 1 && rest[word.size()] == '-';  // "second-largest"
+  if (hyphen)
+    rest = trimmed(rest.substr(word.size() + 1));
+  else if (!take_phrase(rest, word))
+    return 0;
   item = rest;
   return number;
 }

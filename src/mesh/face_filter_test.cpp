@@ -13,8 +13,8 @@
 namespace aligngs {
 namespace {
 
-constexpr int kSquares = 40;         // along a side
-constexpr float kVoxel = 0.015f;    // metres: a voxel
+constexpr int kSquares = 40;       // along a side
+constexpr float kVoxel = 0.015f;   // metres: a voxel
 constexpr double kNoise = 0.0015;  // metres: a tenth of a voxel
 
 /// A surface over a square of 0.6 m, with normals.

@@ -107,6 +107,38 @@ TEST_F(FinishedRun, MoreIterationsNeedTheOptimiserAndNothingIsTouched) {
   EXPECT_EQ(read_file(o.run / "run.json"), json);
 }
 
+TEST_F(FinishedRun, WithoutItsCheckpointsItIsNotTrainedAgain) {
+  TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  fs::remove_all(o.run / "checkpoints");
+  const std::string json = read_file(o.run / "run.json");
+  o.resume = true;
+  EXPECT_TRUE(train_run(o, plain_engine()).already_finished);
+  o.config = {};
+  o.config.iterations = 40;
+  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kUsage);
+  EXPECT_EQ(read_file(o.run / "run.json"), json);
+}
+
+TEST_F(FinishedRun, AStoppedRunWithoutItsCheckpointsDoesNotBeginAgain) {
+  TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  RunRecord stopped = record(o);
+  stopped.status = RunStatus::kStopped;
+  stopped.trained.clear();
+  stopped.train.iterations = 20;
+  write_run_record(o.run / "run.json", stopped);
+  fs::remove_all(o.run / "checkpoints");
+  o.resume = true;
+  try {
+    train_run(o, plain_engine());
+    ADD_FAILURE() << "no error was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("stopped after 20 iterations, and its checkpoints are gone"));
+  }
+}
+
 TEST_F(FinishedRun, ResumingItChangesNothing) {
   TrainOptions o = options("a");
   train_run(o, plain_engine());

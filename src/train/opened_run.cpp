@@ -95,11 +95,10 @@ OpenedRun open_run(const fs::path& folder, const fs::path& scene) {
 TrainingState read_trained_state(const OpenedRun& run, CheckpointParts parts) {
   const RunFolder paths(run.folder);
   std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), run.record.fingerprint, parts);
-  if (!state && fs::exists(paths.scene_ply())) {
-    throw_bad_input(paths.checkpoints(), "",
-                    "the checkpoints of this run are gone or damaged; scene.ply alone has no labels to resume with",
-                    "put them back, or train again with `aligngs train ... --overwrite`; scene.ply opens in any viewer "
-                    "of Gaussians");
+  if (!state && (!run.record.trained.empty() || fs::exists(paths.scene_ply()))) {
+    throw_bad_input(paths.checkpoints(), "", "the checkpoints of this run are gone or damaged",
+                    "put them back, or train again with `aligngs train ... --overwrite`; `edit`, `export` and `view` "
+                    "need scene.labels.ply alone");
   }
   if (!state)
     throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet",

@@ -107,6 +107,10 @@ TEST_F(OpenedRunTest, ARunWithoutItsCheckpointsIsToldFromOneThatHasNotBegun) {
   fs::remove_all(RunFolder(run_).checkpoints());
   EXPECT_THAT(refusal(), HasSubstr("checkpoints of this run are gone"));
   fs::remove(RunFolder(run_).scene_ply());
+  EXPECT_THAT(refusal(), HasSubstr("checkpoints of this run are gone")) << "run.json tells that it was trained";
+  RunRecord record = read_run_record(RunFolder(run_).record());
+  record.trained.clear();
+  write_run_record(RunFolder(run_).record(), record);
   EXPECT_THAT(refusal(), HasSubstr("nothing has been trained here yet"));
 }
 

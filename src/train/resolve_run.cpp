@@ -10,6 +10,19 @@
 
 namespace aligngs {
 
+namespace {
+
+/// A run that stopped wrote a checkpoint. Without it training would begin again, and replace what there is.
+void require_checkpoints_of_stopped(const RunFolder& folder, const RunRecord& record, bool has_checkpoints) {
+  if (has_checkpoints || record.status != RunStatus::kStopped || record.train.iterations == 0) return;
+  throw_bad_input(
+      folder.checkpoints(), "",
+      fmt::format("the training stopped after {} iterations, and its checkpoints are gone", record.train.iterations),
+      "put them back, or start again with --overwrite");
+}
+
+}  // namespace
+
 ResolvedRun resolve_run(const TrainOptions& options) {
   if (options.resume && options.overwrite)
     throw_usage("--resume and --overwrite contradict each other", "use one of them");
@@ -50,7 +63,10 @@ ResolvedRun resolve_run(const TrainOptions& options) {
     throw Error({ErrorKind::kUsage, fmt::format("the run has {} iterations, fewer cannot be asked for", old_end),
                  folder.config(), "-n", "leave -n out, or start again with --overwrite"});
   }
-  if (end > old_end && !latest_checkpoint_is_trainable(folder.checkpoints())) {
+  const bool has_checkpoints = !list_checkpoints(folder.checkpoints()).empty();
+  if (!finished && resolved.record) require_checkpoints_of_stopped(folder, *resolved.record, has_checkpoints);
+  const bool may_go_on = has_checkpoints ? latest_checkpoint_is_trainable(folder.checkpoints()) : !finished;
+  if (end > old_end && !may_go_on) {
     throw Error(
         {ErrorKind::kUsage,
          fmt::format(

@@ -279,7 +279,7 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
   folder.check(mode_of(options));
   if (resolved.finished) {
     require_scene_of_finished(options, *resolved.record);
-    log_info("the run in {} is finished: nothing to do", options.run.string());
+    log_info("the training in {} is finished", options.run.string());
     return result_of_finished(*resolved.record);
   }
   if (RunControl(options.run).active()) {
