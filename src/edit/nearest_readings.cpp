@@ -191,6 +191,8 @@ Error with_readings(const Error& error, std::string_view text, const Vocabulary&
 }
 
 EditRequest read_request(std::string_view text, const Vocabulary& vocabulary) {
+  if (text.find(';') != std::string_view::npos)
+    throw_usage("a sentence holds one edit, and \";\" begins another one", "make the edits one after the other");
   try {
     EditRequest request = parse_request(text);
     if (!request.undo) parse_selection(request.edit.select, vocabulary);

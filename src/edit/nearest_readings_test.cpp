@@ -81,6 +81,16 @@ TEST_F(NearestReadings, OnlyUnknownWordsGetReadings) {
   EXPECT_EQ(with_readings(unclear, "delete the largest pillows", vocabulary_).details().remedy, "say how many");
 }
 
+TEST_F(NearestReadings, TwoEditsInOneSentenceAreRefused) {
+  try {
+    read_request("delete bed; recolor the bench red", vocabulary_);
+    ADD_FAILURE() << "no error was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_EQ(error.details().remedy, "make the edits one after the other");
+  }
+}
+
 TEST_F(NearestReadings, LongTextsHaveNone) { EXPECT_THAT(of("delete " + std::string(3000, 'x')), IsEmpty()); }
 
 }  // namespace
