@@ -4,7 +4,8 @@
     benchmarks/quality/chart.py OUTPUT chart.svg [ROW=LABEL...]
 
 OUTPUT is a folder of ladder.py. With rows given, the chart has these rows alone, in this order and with these labels.
-docs/images/results.svg, the chart of the README, is made by
+docs/images/results.svg, the chart of the README, is of the first two draws. The last two rows are those of
+test_rooms/face_filter.csv, in a results.csv beside the others. It is made by
 
     benchmarks/quality/chart.py benchmarks/quality/test_rooms docs/images/results.svg \\
         "+ L_ng + L_nb (paper), refined cameras=preset paper" "pgsr, the same scene=preset pgsr on the scene of default" \\
