@@ -19,17 +19,15 @@ bool moves_or_copies(const EditOptions& options) {
 }
 
 /// Number of operations that the options ask for.
-int operations_of(const EditOptions& options) {
+int operation_count(const EditOptions& options) {
   return options.remove + options.extract + moves_or_copies(options) + !options.replace.empty() +
          !options.recolor.empty() + !options.highlight.empty();
 }
 
 /// With --say everything about the edit is in the sentence.
 void require_only_a_sentence(const EditOptions& options) {
-  if (options.remove || options.extract || options.fill || options.with_contents || options.duplicate ||
-      !options.move.empty() || !options.turn.empty() || !options.replace.empty() || options.fit ||
-      !options.recolor.empty() || !options.highlight.empty() || !options.select.empty() || options.undo ||
-      options.list || options.measure) {
+  if (operation_count(options) > 0 || options.fill || options.with_contents || options.fit || !options.select.empty() ||
+      options.undo || options.list || options.measure) {
     throw_usage("--say is a whole edit by itself", "leave out --select and the operation, or leave out --say");
   }
 }
@@ -53,7 +51,7 @@ void require_consistent(const EditOptions& options) {
   if (options.undo + options.list + options.dry_run + options.measure + renames + removes > 1) {
     throw_usage("--undo, --list, --dry-run, --measure, --rename-selection and --remove-selection exclude each other");
   }
-  if ((options.undo || options.list) && (!options.select.empty() || operations_of(options) > 0)) {
+  if ((options.undo || options.list) && (!options.select.empty() || operation_count(options) > 0)) {
     throw_usage(fmt::format("{} is a command of its own", options.undo ? "--undo" : "--list"),
                 "leave out the edit here, and make it with another `aligngs edit`");
   }
@@ -67,7 +65,7 @@ void require_consistent(const EditOptions& options) {
 EditOperation operation_of(const EditOptions& options) {
   EditOperation edit;
   const bool replaces = !options.replace.empty(), moves = moves_or_copies(options);
-  if (operations_of(options) != 1)
+  if (operation_count(options) != 1)
     throw_usage(
         "an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --replace, --recolor, "
         "--highlight",

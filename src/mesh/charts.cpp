@@ -1,14 +1,14 @@
 #include "mesh/charts.h"
 
 #include <numeric>
-#include <unordered_map>
+#include <tuple>
 
 #include "core/quaternion.h"
+#include "scene/face_neighbours.h"
 
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kNoChart = 0xffffffffu;
 constexpr int kAngles = 18;  // turns of a chart that are tried: every 5 degrees of a quarter
 
 Vec3d area_normal(const TriangleMesh& mesh, size_t t) {
@@ -22,25 +22,12 @@ Vec3d unit_or(const Vec3d& v, const Vec3d& other) {
   return length > 0 ? v * (1 / length) : other;
 }
 
-/// Across its three edges the neighbour in the same part, or kNoChart. An edge of more than two triangles parts them.
+/// face_neighbours() in the same part.
 std::vector<std::array<uint32_t, 3>> neighbours_of(const TriangleMesh& mesh, const std::vector<uint32_t>& part) {
-  struct Side {
-    uint32_t triangle, edge;
-    int uses;
-  };
-  std::vector<std::array<uint32_t, 3>> out(mesh.triangles.size(), {kNoChart, kNoChart, kNoChart});
-  std::unordered_map<uint64_t, Side> open;
-  open.reserve(2 * mesh.triangles.size());
-  for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (uint32_t i = 0; i < 3; ++i) {
-      const uint32_t a = mesh.triangles[t][i], b = mesh.triangles[t][(i + 1) % 3];
-      const auto [side, fresh] = open.try_emplace(uint64_t(std::min(a, b)) << 32 | std::max(a, b), Side{t, i, 0});
-      if (fresh) continue;
-      Side& s = side->second;
-      if (++s.uses == 1 && part[s.triangle] == part[t]) {
-        out[t][i] = s.triangle;
-        out[s.triangle][s.edge] = t;
-      }
+  std::vector<std::array<uint32_t, 3>> out = face_neighbours(mesh, CrowdedEdge::kJoinsFirstTwo);
+  for (size_t t = 0; t < out.size(); ++t) {
+    for (uint32_t& n : out[t]) {
+      if (n != kNoFace && part[n] != part[t]) n = kNoFace;
     }
   }
   return out;
@@ -60,7 +47,7 @@ class Grower {
       std::vector<Vec3d> sum = smooth_;
       for (size_t t = 0; t < sum.size(); ++t) {
         for (const uint32_t n : next_[t]) {
-          if (n != kNoChart) sum[t] += smooth_[n];
+          if (n != kNoFace) sum[t] += smooth_[n];
         }
       }
       smooth_ = std::move(sum);
@@ -94,7 +81,7 @@ class Grower {
     taken_[seed] = 1;
     for (size_t i = 0; i < found.size(); ++i) {
       for (const uint32_t n : next_[found[i]]) {
-        if (n == kNoChart || taken_[n] || !accept(n)) continue;
+        if (n == kNoFace || taken_[n] || !accept(n)) continue;
         taken_[n] = 1;
         found.push_back(n);
       }

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/error.h"
+#include "scene/face_neighbours.h"
 
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kNoFace = 0xffffffffu;
 constexpr size_t kFaceGrain = 8192;
 
 /// A weight below is as good as none, and its exponential need not be formed.
@@ -26,8 +26,11 @@ float gaussian(float squared, float scale) {
 class FaceFilter {
  public:
   FaceFilter(TriangleMesh& mesh, const FaceFilterOptions& options, ThreadPool& pool)
-      : mesh_(mesh), options_(options), pool_(pool), count_(mesh.triangles.size()) {
-    find_neighbours();
+      : mesh_(mesh),
+        options_(options),
+        pool_(pool),
+        count_(mesh.triangles.size()),
+        neighbours_(face_neighbours(mesh, CrowdedEdge::kJoinsNone)) {
     find_faces_of_vertices();
     measure_faces();
   }
@@ -42,34 +45,6 @@ class FaceFilter {
   }
 
  private:
-  using Neighbours = std::array<uint32_t, 3>;  ///< of a face: beside its edges 0-1, 1-2 and 2-0
-
-  void find_neighbours() {
-    struct Edge {
-      uint32_t low, high, face, side;
-    };
-    std::vector<Edge> edges(3 * count_);
-    for (uint32_t f = 0; f < count_; ++f) {
-      for (uint32_t side = 0; side < 3; ++side) {
-        const auto [low, high] = std::minmax(mesh_.triangles[f][side], mesh_.triangles[f][(side + 1) % 3]);
-        edges[3 * size_t(f) + side] = {low, high, f, side};
-      }
-    }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-      return std::array{a.low, a.high, a.face, a.side} < std::array{b.low, b.high, b.face, b.side};
-    });
-    neighbours_.assign(count_, {kNoFace, kNoFace, kNoFace});
-    for (size_t i = 0; i < edges.size();) {
-      size_t end = i + 1;
-      while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-      if (end - i == 2) {
-        neighbours_[edges[i].face][edges[i].side] = edges[i + 1].face;
-        neighbours_[edges[i + 1].face][edges[i + 1].side] = edges[i].face;
-      }
-      i = end;
-    }
-  }
-
   void find_faces_of_vertices() {
     first_face_.assign(mesh_.vertices.size() + 1, 0);
     for (const auto& t : mesh_.triangles) {
@@ -186,7 +161,7 @@ class FaceFilter {
   const FaceFilterOptions& options_;
   ThreadPool& pool_;
   size_t count_;
-  std::vector<Neighbours> neighbours_;
+  const std::vector<std::array<uint32_t, 3>> neighbours_;
   std::vector<uint32_t> first_face_, faces_;  ///< faces of a vertex: faces_[first_face_[v]] and on
   std::vector<Vec3f> centres_, normals_;      ///< normals are unit, or zero without area
   std::vector<float> areas_;                  ///< of the unfiltered faces

@@ -23,7 +23,7 @@ struct FaceFilterOptions {
 ///          area_j exp(-|c_i - c_j|^2 / 2 sigma_c^2) exp(-|n_i - n_j|^2 / 2 sigma_n^2) n_j
 ///   v   <- v + mean over the faces k at v of n_k (n_k . (c_k - v))     (Sun, Rosin, Martin and Langbein 2007)
 ///
-/// with centres c of the faces. Two faces are neighbours where they alone share an edge. A face without area has no
+/// with centres c of the faces. Neighbours share an edge that no third face has. A face without area has no
 /// normal and moves nothing. Vertex normals, where the mesh has them, become the mean of the filtered face normals,
 /// weighted by area. Number and order of vertices and triangles stay. The result is the same for any number of threads.
 /// Error{kUsage} for a negative number of rounds, or a sigma that is not positive.

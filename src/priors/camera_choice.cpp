@@ -30,8 +30,7 @@ std::string best_weights_of_method(PosesMethod method, const ModelStore& store) 
   if (store.installed(published_model(own))) return own;
   for (const Teacher* teacher : camera_teachers()) {
     const PublishedModel& model = published_model(teacher->model);
-    const bool free = model.licence.commercial && model.licence.question.empty();
-    if (method_of(*teacher) == method && free && store.installed(model)) return model.name;
+    if (method_of(*teacher) == method && model.licence.is_for_anyone() && store.installed(model)) return model.name;
   }
   return own;
 }
@@ -107,7 +106,7 @@ const PublishedModel* installed_camera_network(const CameraRequest& request, con
 
 std::string terms_of_choice(const PublishedModel& model, const char* purpose) {
   const ModelLicence& licence = model.licence;
-  if (licence.commercial && licence.question.empty()) return {};
+  if (licence.is_for_anyone()) return {};
   return fmt::format("{} by {}, as no other network for them is installed: licence {}, {}", purpose, model.name,
                      licence.id, licence.question.empty() ? licence.note : licence.question);
 }

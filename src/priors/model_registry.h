@@ -15,6 +15,8 @@ struct ModelLicence {
   bool gated = false;         ///< the publisher wants a form filled in first
   bool commercial = true;     ///< whether commercial use is allowed
   std::string question = {};  ///< what is not clear about the terms, one sentence; shown before a download
+
+  bool is_for_anyone() const { return commercial && question.empty(); }
 };
 
 struct ModelFile {

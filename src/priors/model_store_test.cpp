@@ -44,6 +44,13 @@ class Models : public testing::Test {
     fs::create_directories(path.parent_path());
     write_safetensors(path, file);
   }
+  /// model.safetensors with the probe tensor of Depth Anything 3, so wide.
+  void put_camera_branch(const PublishedModel& network, int64_t columns) const {
+    TensorFile file;
+    file.tensors[network.files[0].probe] = tensor_of(std::vector<float>(size_t(3 * columns)), {3, columns});
+    fs::create_directories(folder);
+    write_safetensors(folder / "model.safetensors", file);
+  }
   std::string bytes_of_a_good_file() const {
     put(folder / "good.safetensors");
     return read_file(folder / "good.safetensors");
@@ -186,10 +193,7 @@ TEST_F(Models, ImportRefusesOtherWeights) {
 
 TEST_F(Models, WeightsOfAnotherSizeAreRefusedUnderAWrongName) {
   const PublishedModel& base = published_model("da3-base");
-  TensorFile large;
-  large.tensors[base.files[0].probe] = tensor_of(std::vector<float>(3 * 2048), {3, 2048});
-  fs::create_directories(folder);
-  write_safetensors(folder / "model.safetensors", large);
+  put_camera_branch(base, 2048);
   EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { import_model_file(store(), base, folder / "model.safetensors"); }),
               testing::AllOf(HasSubstr("it holds \"da3-large\""), HasSubstr("models import da3-large")));
   const fs::path by_hand = store().own_path(base, base.files[0]);
@@ -201,10 +205,7 @@ TEST_F(Models, WeightsOfAnotherSizeAreRefusedUnderAWrongName) {
 
 TEST_F(Models, WeightsOfAnUnknownSizeAreTakenUnderAnyName) {
   const PublishedModel& base = published_model("da3-base");
-  TensorFile toy;
-  toy.tensors[base.files[0].probe] = tensor_of(std::vector<float>(3 * 64), {3, 64});
-  fs::create_directories(folder);
-  write_safetensors(folder / "model.safetensors", toy);
+  put_camera_branch(base, 64);
   import_model_file(store(), base, folder / "model.safetensors");
   EXPECT_EQ(store().require(base).size(), 1u);
 }

@@ -54,6 +54,16 @@ VideoStream stream_of(const fs::path& video) {
   return stream;
 }
 
+VideoStream readable_stream(const fs::path& video) {
+  if (!fs::is_regular_file(video))
+    throw_bad_input(video, "", "there is no such file", "give a video, or a folder of photos");
+  if (find_program("ffmpeg").empty() || find_program("ffprobe").empty()) {
+    throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
+                 "apt-get install ffmpeg, or give a folder of photos"});
+  }
+  return stream_of(video);
+}
+
 /// A run of ffmpeg with progress; `filter` ends with what makes the frames.
 void run_ffmpeg(const fs::path& video, const std::string& filter, const std::vector<std::string>& output,
                 const fs::path& log, double seconds, const std::string& name, ProgressStyle style) {
@@ -100,20 +110,11 @@ std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int heigh
 
 }  // namespace
 
-void require_readable_video(const fs::path& video) {
-  if (!fs::is_regular_file(video))
-    throw_bad_input(video, "", "there is no such file", "give a video, or a folder of photos");
-  if (find_program("ffmpeg").empty() || find_program("ffprobe").empty()) {
-    throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
-                 "apt-get install ffmpeg, or give a folder of photos"});
-  }
-  stream_of(video);
-}
+void require_readable_video(const fs::path& video) { readable_stream(video); }
 
 VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {
-  require_readable_video(video);
+  const VideoStream stream = readable_stream(video);
   make_folders(folder);
-  const VideoStream stream = stream_of(video);
   const FrameChoiceFilter filter = filter_of(stream, options.views);
   const int width = std::min(stream.width, kFrameSmallWidth),
             height = std::max(3, int(double(stream.height) * width / stream.width + 0.5));

@@ -17,9 +17,8 @@ struct DepthContradiction {
 };
 
 /// The first that speaks against the depth: metres that no room has, depth far below the distances between the cameras,
-/// or points at another distance. Else another unit,
-/// matrices or maps that are read wrongly, or views that contradict each other (depth_agreement.h). Nothing where none
-/// does. `cameras[i]` has the size of `depths[i]`, where 0 is none.
+/// or points at another distance. Else another unit, matrices or maps that are read wrongly, or views that contradict
+/// each other (depth_agreement.h). Nothing where none does. `cameras[i]` has the size of `depths[i]`, where 0 is none.
 std::optional<DepthContradiction> depth_contradiction(std::span<const Camera> cameras, std::span<const ImageF> depths,
                                                       const PointCloud& points, bool metric);
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/matrix_tiles.h"
 #include "core/steady_seconds.h"
 #include "engine/benchmark/amx_peak.h"
 #include "engine/cpu/aligned_array.h"
@@ -118,7 +119,7 @@ double measure_fma_gflops(ThreadPool& pool) {
 }
 
 double measure_amx_gflops(ThreadPool& pool) {
-  if (!amx_available()) return 0;
+  if (!matrix_tiles_available()) return 0;
   const size_t parts = static_cast<size_t>(pool.size()) * kParts;
   const auto tiles = [](size_t, size_t, int) { amx_burn(kAmxRounds / kParts); };
   const double seconds = best_seconds([&] { pool.parallel_for(parts, 1, tiles); });
