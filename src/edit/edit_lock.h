@@ -16,8 +16,8 @@ std::filesystem::path edit_lock_file(const std::filesystem::path& run);
 class EditLock {
  public:
   /// Waits up to `patience` seconds for another edit to end. Those who wait see `doing`, e.g. "delete bed".
-  /// Error{kUsage} naming the holder when it does not end, Error{kResources} when the file cannot be written. The wait
-  /// is a stop point.
+  /// Error{kUsage} naming the holder when it does not end, Error{kResources} when the file cannot be opened. A full disk
+  /// leaves the record out. The wait is a stop point.
   EditLock(const std::filesystem::path& run, std::string_view doing, double patience);
   ~EditLock();
   EditLock(const EditLock&) = delete;

@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <thread>
 
 #include "core/error.h"
@@ -86,6 +88,18 @@ TEST_F(EditLockTest, AFolderThatCannotBeWrittenIsAnErrorOfTheDisk) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kResources);
   }
+}
+
+/// An undo frees space, so that it must work where nothing can be written.
+TEST_F(EditLockTest, AFullDiskLeavesTheRecordOut) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  auto* handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit nothing{0, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &nothing);  // write() fails, much as on a full disk
+  EXPECT_NO_THROW(EditLock(run_, "undo", kShort));
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
 }
 
 }  // namespace

@@ -35,10 +35,26 @@ void remove_unnamed_files(const fs::path& folder, const std::vector<EditOperatio
   for (const fs::path& path : unnamed) fs::remove_all(path, error);
 }
 
+/// Takes the files of edits that go off a full disk. Should the list still not be written, then these edits are carried
+/// out again by their words. A replacement needs its file for that, and keeps it.
+void make_room(const fs::path& run, std::vector<EditOperation> edits) {
+  for (const EditOperation& edit : read_edits(run / "edits.json")) {
+    if (edit.kind == EditKind::kReplace) edits.push_back(edit);
+  }
+  remove_unnamed_files(run / "edits", edits);
+}
+
 }  // namespace
 
 void commit_edits(const fs::path& run, const std::vector<EditOperation>& edits) {
-  write_file_atomically(run / "edits.json", edits_text(edits));
+  const fs::path list = run / "edits.json";
+  try {
+    write_file_atomically(list, edits_text(edits));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kResources) throw;
+    make_room(run, edits);
+    write_file_atomically(list, edits_text(edits));
+  }
   remove_unnamed_files(run / "edits", edits);
 }
 

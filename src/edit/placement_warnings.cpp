@@ -19,13 +19,14 @@ namespace aligngs {
 namespace {
 
 // Lengths are shares of the extent, which is about 3 m in a room.
-constexpr double kColumnEdge = 0.02;  // 6 cm
-constexpr double kFloats = 0.017;     // gap under a foot: 5 cm
-constexpr double kHangs = 0.1;        // it hung there before, or nobody saw its legs: 30 cm
-constexpr double kUnseenFeet = 0.05;  // nearer to the floor an object rests on it: 15 cm
-constexpr double kFoot = 0.03;        // the lowest part of an object: 10 cm
-constexpr double kSink = 0.01;        // surfaces are rough: 3 cm
-constexpr double kStrayShare = 0.02;  // of an object's Gaussians that may lie anywhere
+constexpr double kColumnEdge = 0.02;   // 6 cm
+constexpr double kFloats = 0.017;      // gap under a foot: 5 cm
+constexpr double kHangs = 0.1;         // it hung there before, or nobody saw its legs: 30 cm
+constexpr double kUnseenFeet = 0.05;   // nearer to the floor an object rests on it: 15 cm
+constexpr double kUnseenLegs = 0.085;  // and furniture: photos do not look under a bed (25 cm)
+constexpr double kFoot = 0.03;         // the lowest part of an object: 10 cm
+constexpr double kSink = 0.01;         // surfaces are rough: 3 cm
+constexpr double kStrayShare = 0.02;   // of an object's Gaussians that may lie anywhere
 constexpr size_t kCollidingColumns = 6;
 constexpr int kFarthest = 30;  // columns that a remedy may move it
 
@@ -172,6 +173,23 @@ std::string way_out(const EditableRoom& room, const ThingsAround& around, const 
 
 }  // namespace
 
+namespace {
+
+/// Whether most of some rows are of furniture that things rest on.
+bool is_furniture(const EditableRoom& room, const std::vector<uint8_t>& selected) {
+  const std::vector<CarryingClass> classes = carrying_classes(room.labels);
+  size_t all = 0, furniture = 0;
+  for (size_t i = 0; i < selected.size(); ++i) {
+    if (!selected[i]) continue;
+    const uint16_t label = room.gaussians.labels.label[i];
+    ++all;
+    furniture += label < classes.size() && classes[label].furniture;
+  }
+  return 2 * furniture > all;
+}
+
+}  // namespace
+
 std::vector<Vec3d> solid_places(const GaussianModel& model, const std::vector<uint8_t>& selected) {
   std::vector<Vec3d> out;
   for (size_t i = 0; i < selected.size(); ++i) {
@@ -193,7 +211,8 @@ std::vector<std::string> placement_warnings(const EditableRoom& room, const std:
   if (was && is && to_floor) {
     // Photos rarely show the feet of things on the floor.
     const bool over_floor = *is >= around.gap_to_floor(after).value_or(0);
-    const double feet = over_floor && *to_floor < kUnseenFeet * extent ? *to_floor : 0;
+    const double unseen = is_furniture(room, selected) ? kUnseenLegs : kUnseenFeet;
+    const double feet = over_floor && *to_floor < unseen * extent ? *to_floor : 0;
     const double usual = std::max({0.0, *was, feet}), flight = *is - usual;
     const bool hung = usual >= kHangs * extent;
     if (!hung && flight > kFloats * extent) {

@@ -50,6 +50,13 @@ TEST_F(PlacementWarnings, FeetThatNobodySawAreNoFlight) {
   EXPECT_THAT(after({0, 0, -0.6}), IsEmpty());
 }
 
+TEST_F(PlacementWarnings, LegsThatNobodySawAreNoFlight) {
+  for (size_t i = 0; i < box_.size(); ++i) {
+    if (box_[i] && room_.gaussians.model.positions[3 * i + 1] > -0.2f) box_[i] = 0;
+  }
+  EXPECT_THAT(after({0, 0, -0.6}), IsEmpty());
+}
+
 TEST_F(PlacementWarnings, AThingBelowHoldsIt) { EXPECT_THAT(after({-0.56, -0.12, -0.36}), IsEmpty()); }
 
 TEST_F(PlacementWarnings, AnObjectInAnotherCollides) {

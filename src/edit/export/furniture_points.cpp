@@ -36,7 +36,7 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
     return c.furniture && from_mesh == (has_mesh && !c.leafy);
   };
   if (has_mesh) {
-    for (const ObjectMesh& object : object_meshes(room, pool)) {
+    for (const ObjectMesh& object : object_meshes(room, pool, StrayVertices::kNoObject)) {
       if (!is_boxed(object.label, true) || object.instance == 0) continue;
       ObjectPoints points{object.class_name, object.instance, {}, confidence_of(g, object.label, object.instance)};
       for (const Vec3f& p : object.mesh.vertices) points.points.push_back(p.cast<double>());

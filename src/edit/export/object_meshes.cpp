@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <map>
-#include <memory>
+#include <optional>
+#include <utility>
 
 #include "core/chosen_rows.h"
 #include "gaussians/point_tree.h"
@@ -13,51 +15,79 @@ namespace {
 
 constexpr size_t kGrain = 4096;  // vertices per chunk
 
-/// The object number of a vertex of a class, from the nearest Gaussian of that class.
+/// Class and number of an object.
+struct ObjectKey {
+  uint16_t label = kNoLabel, instance = 0;
+};
+
+/// The object of a vertex, from the numbered Gaussians around it.
 class NearestObject {
  public:
-  explicit NearestObject(const LabelledGaussians& g) {
-    std::map<int, std::vector<Vec3f>> points;
+  NearestObject(const LabelledGaussians& g, StrayVertices strays)
+      : near_(static_cast<float>(kNear * g.extent)), strays_(strays) {
+    std::map<uint16_t, std::vector<Vec3f>> points;
+    std::vector<Vec3f> all;
     for (size_t i = 0; i < g.model.size(); ++i) {
-      if (g.labels.label[i] == kNoLabel || g.labels.instance[i] == 0) continue;
-      points[g.labels.label[i]].push_back(
-          {g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
-      instances_[g.labels.label[i]].push_back(g.labels.instance[i]);
+      const uint16_t label = g.labels.label[i];
+      if (label == kNoLabel || g.labels.instance[i] == 0) continue;
+      all.push_back({g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
+      keys_.push_back({label, g.labels.instance[i]});
+      points[label].push_back(all.back());
+      instances_[label].push_back(g.labels.instance[i]);
     }
     for (auto& [label, p] : points) trees_.emplace(label, PointTree(std::move(p)));
+    if (!all.empty()) all_.emplace(std::move(all));
   }
-  int of(int label, const Vec3f& place, std::vector<PointTree::Neighbour>& scratch) const {
+
+  /// The nearest object of a vertex's own class. A vertex far from it, at the place of another object, is a stray.
+  ObjectKey of(uint16_t label, const Vec3f& place, std::vector<PointTree::Neighbour>& scratch) const {
+    ObjectKey own{label, 0};
+    float distance = std::numeric_limits<float>::infinity();
     const auto tree = trees_.find(label);
-    if (tree == trees_.end()) return 0;
-    tree->second.nearest(place, 1, scratch);
-    return scratch.empty() ? 0 : instances_.at(label)[scratch[0].index];
+    if (tree != trees_.end()) {
+      tree->second.nearest(place, 1, scratch);
+      own.instance = instances_.at(label)[scratch.front().index];
+      distance = scratch.front().distance;
+    }
+    if (distance <= near_ || !all_) return own;
+    all_->nearest(place, 1, scratch);
+    if (distance <= scratch.front().distance + near_) return own;
+    return strays_ == StrayVertices::kJoinOthers ? keys_[scratch.front().index] : ObjectKey{label, 0};
   }
 
  private:
-  std::map<int, PointTree> trees_;
-  std::map<int, std::vector<uint16_t>> instances_;
+  static constexpr double kNear = 0.017;  ///< of the extent: 5 cm, by which labels of mesh and Gaussians may differ
+  float near_;
+  StrayVertices strays_;
+  std::map<uint16_t, PointTree> trees_;
+  std::map<uint16_t, std::vector<uint16_t>> instances_;
+  std::optional<PointTree> all_;
+  std::vector<ObjectKey> keys_;  ///< of the points of all_
 };
 
 uint16_t majority(uint16_t a, uint16_t b, uint16_t c) { return b == c ? b : a; }
 
 }  // namespace
 
-std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool) {
-  return object_meshes(room.mesh, room.gaussians, room.labels, pool);
+std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool, StrayVertices strays) {
+  return object_meshes(room.mesh, room.gaussians, room.labels, pool, strays);
 }
 
 std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians,
-                                      const LabelSet& classes, ThreadPool& pool) {
+                                      const LabelSet& classes, ThreadPool& pool, StrayVertices strays) {
   std::vector<uint16_t> labels = mesh.labels, instances(mesh.vertices.size(), 0);
   labels.resize(mesh.vertices.size(), kNoLabel);
   for (uint16_t& label : labels) {
     if (label >= classes.size()) label = kNoLabel;
   }
-  const NearestObject nearest(gaussians);
+  const NearestObject nearest(gaussians, strays);
   pool.parallel_for(labels.size(), kGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> scratch;
     for (size_t v = begin; v < end; ++v) {
-      if (labels[v] != kNoLabel) instances[v] = static_cast<uint16_t>(nearest.of(labels[v], mesh.vertices[v], scratch));
+      if (labels[v] == kNoLabel) continue;
+      const ObjectKey key = nearest.of(labels[v], mesh.vertices[v], scratch);
+      labels[v] = key.label;
+      instances[v] = key.instance;
     }
   });
   std::map<std::pair<uint16_t, uint16_t>, std::vector<uint32_t>> triangles;  // kNoLabel sorts last

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "edit/fill/footprint.h"
+#include "edit/fill/hidden_rows.h"
 #include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
@@ -76,32 +76,6 @@ const RoomPlane* nearest_plane(const FillRoom& r, const Vec3d& place, PlaneKind 
   return best;
 }
 
-/// Gaussians that only the object hid. Those of walls, floor and ceiling go. Those of things go where the rest of the
-/// thing has no such colour: its unseen side has mostly the colour of the seen one.
-void mark_unseen(const FillRoom& r, std::vector<uint8_t>& debris) {
-  std::vector<uint8_t> unseen(debris.size(), 0);
-  r.for_each(debris.size(), [&](size_t i) {
-    unseen[i] = !r.input.selected[i] && !debris[i] && r.hidden.from_all(position_of(r.room.model, i));
-  });
-  std::map<std::pair<uint16_t, uint16_t>, std::vector<uint32_t>> shown, hidden;  // rows of each thing
-  for (uint32_t i = 0; i < debris.size(); ++i) {
-    const uint16_t label = r.room.labels.label[i];
-    if (unseen[i]) hidden[{label, r.room.labels.instance[i]}].push_back(i);
-    if (!unseen[i] && !debris[i] && !r.input.selected[i]) shown[{label, r.room.labels.instance[i]}].push_back(i);
-  }
-  for (const auto& group : hidden) {  // clang 14 captures no structured binding in a lambda
-    const auto& thing = group.first;
-    const std::vector<uint32_t>& rows = group.second;
-    const bool has_class = thing.first < r.classes.size();
-    if (has_class && r.classes[thing.first].shell != PlaneKind::kNone) {
-      for (const uint32_t i : rows) debris[i] = 1;
-      continue;
-    }
-    const Stains::Surface surface = r.stains.surface_of(shown[thing]);
-    r.for_each(rows.size(), [&](size_t k) { debris[rows[k]] = r.stains.is_foreign(rows[k], surface); });
-  }
-}
-
 }  // namespace
 
 std::vector<uint8_t> find_debris(const FillRoom& r) {
@@ -123,7 +97,7 @@ std::vector<uint8_t> find_debris(const FillRoom& r) {
                   (under.is_outlined(place) && r.stains.is_shade(i, surface));
     });
   }
-  mark_unseen(r, debris);
+  mark_hidden_rows(r, debris);
   return debris;
 }
 

@@ -32,6 +32,7 @@ struct FillSettings {
   double shade = 0.06;       ///< an object's shade reaches this far on a surface (18 cm)
   float shaded = 0.85f;      ///< brightness of a shade, relative to the dark colours of the surface farther off
   double beside = 0.02;      ///< debris is this near to the object (6 cm)
+  double blur = 0.033;       ///< standard deviation of a Gaussian that no photo has bounded (10 cm)
   float unlike = 0.1f;       ///< sRGB distance (norm over 3 channels) of a colour that a surface does not have
   double gap = 0.1;          ///< edge of the largest gap in a fill that is closed, as a square (30 cm)
   double opening = 0.08;     ///< a window or door this near to a wall is an opening in it (25 cm)

@@ -396,6 +396,25 @@ TEST_F(FillRemoved, AHiddenSideOfAThingGoesWhereItsColourIsForeign) {
   EXPECT_EQ(debris_[like], 0);
 }
 
+TEST_F(FillRemoved, AWideGaussianThatNoPhotoShowsGoes) {
+  add_floor();
+  const Vec3f brown{0.5f, 0.35f, 0.2f};
+  for (float x = -0.1f; x < 1; x += 0.03f) {
+    for (float y = -0.34f; y < 0; y += 0.03f)
+      small_room::add_gaussian(model_, {x, y, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  }
+  const size_t wide = model_.size();
+  small_room::add_gaussian(model_, {0.01f, -0.2f, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  for (size_t a = 0; a < 2; ++a) model_.log_scales[3 * wide + a] = std::log(0.2f);
+  const size_t shown = model_.size();
+  small_room::add_gaussian(model_, {0.9f, -0.2f, 0.9f}, {0, 0, -1}, brown, kCabinet);
+  for (size_t a = 0; a < 2; ++a) model_.log_scales[3 * shown + a] = std::log(0.2f);
+  add_box();
+  fill();
+  EXPECT_EQ(debris_[wide], 1);
+  EXPECT_EQ(debris_[shown], 0);
+}
+
 TEST_F(FillRemoved, AColourThatNoPhotoShowsIsNoSource) {
   add_floor();
   for (float x = -0.3f; x < 0.3f; x += 0.02f)  // right behind the box, beyond its halo
@@ -442,7 +461,7 @@ TEST_F(FillRemoved, WhatHasNoPatternKeepsItsMeanAndItsRange) {
   for (const SupportPatch& patch : fill()) {
     for (size_t i = 0; i < patch.gaussians.size(); ++i) {
       const float* p = &patch.gaussians.positions[3 * i];
-      if (std::abs(p[0]) > 0.1f || p[2] < 0.45f || p[2] > 0.65f) continue;
+      if (std::abs(p[0]) > 0.2f || p[2] < 0.35f || p[2] > 0.75f) continue;
       ++made;
       const double bright = base_color_of(patch.gaussians, i).x / kFloorColor.x;
       sum += bright;

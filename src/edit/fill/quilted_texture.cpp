@@ -42,8 +42,7 @@ TextureMap without_gaps(const TextureMap& map, const std::vector<uint8_t>& hole)
 
 class Quilt {
  public:
-  Quilt(const TextureMap& map, const std::vector<uint8_t>& hole, const std::vector<Vec3f>& guide,
-        const QuiltSettings& settings)
+  Quilt(const TextureMap& map, const std::vector<uint8_t>& hole, const QuiltGuide* guide, const QuiltSettings& settings)
       : source_(without_gaps(map, hole)), result_(source_), hole_(hole), guide_(guide), settings_(settings) {
     find_pieces();
   }
@@ -140,12 +139,12 @@ class Quilt {
         const int i = place.i + x, j = place.j + y;
         if (!inside(i, j)) continue;
         const size_t at = source_.index(i, j);
-        const Vec3f& value = source_.value[source_.index(piece.i + x, piece.j + y)];
+        const size_t from = source_.index(piece.i + x, piece.j + y);
         if (result_.mask[at] > 0) {
-          const Vec3f d = value - result_.value[at];
+          const Vec3f d = source_.value[from] - result_.value[at];
           sum += static_cast<double>(dot(d, d));
-        } else if (hole_[at] && !guide_.empty()) {
-          const Vec3f d = value - guide_[at];
+        } else if (hole_[at] && guide_) {
+          const Vec3f d = (guide_->looks.empty() ? source_.value[from] : guide_->looks[from]) - guide_->wanted[at];
           sum += static_cast<double>(settings_.guide_share * dot(d, d));
         }
       }
@@ -158,7 +157,7 @@ class Quilt {
   double again_factor(const Place& piece) const {
     constexpr double kAgain = 1.3;
     double factor = 1;
-    if (!guide_.empty()) return factor;  // a pattern repeats, and its phase matters more
+    if (guide_ && guide_->is_exact) return factor;
     for (const Place& u : used_) {
       if (2 * std::abs(u.i - piece.i) < settings_.piece && 2 * std::abs(u.j - piece.j) < settings_.piece)
         factor *= kAgain;
@@ -203,7 +202,7 @@ class Quilt {
   const TextureMap source_;
   TextureMap result_;
   const std::vector<uint8_t>& hole_;
-  const std::vector<Vec3f>& guide_;
+  const QuiltGuide* guide_;
   const QuiltSettings settings_;
   std::vector<Place> pieces_, used_;
   std::vector<uint8_t> whole_;  ///< per cell: a piece with this lowest cell has known cells only
@@ -211,8 +210,8 @@ class Quilt {
 
 }  // namespace
 
-std::vector<Vec3f> quilted_texture(const TextureMap& map, const std::vector<uint8_t>& hole,
-                                   const std::vector<Vec3f>& guide, const QuiltSettings& settings) {
+std::vector<Vec3f> quilted_texture(const TextureMap& map, const std::vector<uint8_t>& hole, const QuiltGuide* guide,
+                                   const QuiltSettings& settings) {
   Quilt quilt(map, hole, guide, settings);
   if (!quilt.has_pieces()) return {};
   return quilt.run();

@@ -80,8 +80,17 @@ TEST(QuiltedTexture, ItContinuesTheColoursAtTheRim) {
 TEST(QuiltedTexture, PiecesFollowTheGuide) {
   const auto stripe = [](int i, int) { return i / 5 % 2 == 0 ? 0.3f : -0.3f; };
   const TextureMap map = map_of(stripe);
-  const std::vector<Vec3f> texture = quilted_texture(map, hole(), map.value);
+  const QuiltGuide guide{{}, map.value, true};
+  const std::vector<Vec3f> texture = quilted_texture(map, hole(), &guide);
   for (int i = kBegin; i < kEnd; ++i) EXPECT_GT(texture[map.index(i, 60)].x * stripe(i, 60), 0) << i;
+}
+
+TEST(QuiltedTexture, PiecesMayFollowAnotherLookThanTheirColours) {
+  const TextureMap map = map_of([](int i, int) { return i < 40 ? 0.3f : -0.3f; });
+  QuiltGuide guide{{}, std::vector<Vec3f>(map.value.size(), Vec3f{9, 0, 0}), false};
+  for (int k = 0; k < kSide * kSide; ++k) guide.looks.push_back({k % kSide < 40 ? 9.f : 0.f, 0, 0});
+  EXPECT_LT(quilted_texture(map, hole(), nullptr)[map.index(60, 60)].x, 0);
+  EXPECT_GT(quilted_texture(map, hole(), &guide)[map.index(60, 60)].x, 0);
 }
 
 TEST(QuiltedTexture, OnlyTheHoleGetsATexture) {

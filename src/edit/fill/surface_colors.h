@@ -8,12 +8,17 @@
 
 namespace aligngs {
 
+/// Covariance of what a colour covers, cells squared. All 0: its own cell alone.
+struct CellSpread {
+  double xx = 0, xy = 0, yy = 0;
+};
+
 /// One known colour: a place in cells of a grid, and how much it counts.
 struct KnownColor {
   Vec2d place;
   Vec3f color;  ///< any linear coding, e.g. the constant spherical harmonic
   float weight = 1;
-  double radius = 0;  ///< cells: standard deviation of what it covers; 0: its own cell alone
+  CellSpread spread = {};
 };
 
 /// A colour for each cell of the grid: near known colours their mean, elsewhere a smooth surface through them. It is a

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/spherical_harmonics.h"
 #include "edit/fill/grid_regions.h"
+#include "edit/fill/hole_texture.h"
 #include "edit/fill/lifted_shade.h"
-#include "edit/fill/quilted_texture.h"
-#include "edit/fill/repeated_texture.h"
 #include "edit/fill/surface_colors.h"
 #include "gaussians/gaussian_geometry.h"
 #include "gaussians/point_tree.h"
@@ -17,13 +17,7 @@ namespace {
 
 constexpr size_t kPatchColorNumbers = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
 constexpr float kLeastSpread = 0.05f;                               // of the harmonic: noise of an even surface
-constexpr float kStrongContrast = 0.3;  // of the harmonic: flowers of a wallpaper, wood of a parquet
-constexpr float kUnguided = 0.6;        // of pieces without a pattern, which are like the surface but not it
-constexpr double kLight = 0.12;         // / extent: light varies over longer ways, texture over shorter ones (36 cm)
-constexpr double kMeanWidth = 0.7;      // of a Gaussian in its disc, relative to its longest axis
-constexpr double kNarrowest = 0.5;      // cells: a pixel's width is in every splat
-constexpr double kPiece = 0.12;         // / extent: edge of a piece of texture (36 cm)
-constexpr double kTextureReach = 0.6;   // / extent: the longest shift of a pattern on itself (1.8 m)
+constexpr double kNarrowest = 0.3;                                  // cells: a pixel's width is in every splat
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
   const float* sh = &model.sh[kPatchColorNumbers * i];
@@ -60,43 +54,31 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
   return out.empty() ? carriers : out;
 }
 
+/// The part of the plane that a Gaussian covers, seen from in front.
+CellSpread spread_of(const GaussianModel& model, size_t row, const PlaneGrid& grid) {
+  const float* q = &model.rotations[4 * row];
+  const Mat3d axes = rotation_matrix(normalized(Quaterniond{q[0], q[1], q[2], q[3]}));
+  CellSpread spread{kNarrowest * kNarrowest, 0, kNarrowest * kNarrowest};
+  for (int a = 0; a < 3; ++a) {
+    const double deviation =
+        std::exp(static_cast<double>(model.log_scales[3 * row + static_cast<size_t>(a)])) / grid.cell;
+    const Vec3d axis = Vec3d{axes(0, a), axes(1, a), axes(2, a)} * deviation;
+    const double x = dot(grid.u, axis), y = dot(grid.v, axis);
+    spread.xx += x * x;
+    spread.xy += x * y;
+    spread.yy += y * y;
+  }
+  return spread;
+}
+
 std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid& grid,
                                      const std::vector<uint32_t>& rows, const std::vector<Vec3f>& gains) {
   std::vector<KnownColor> known;
   for (const uint32_t i : rows) {
-    const float* s = &model.log_scales[3 * i];
-    const double widest = std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
     const Vec3f color = gains.empty() ? constant_of(model, i) : lifted(constant_of(model, i), gains[i]);
-    known.push_back({grid.place_of(position_of(model, i)), color, opacity_of(model, i),
-                     std::max(kNarrowest, kMeanWidth * widest / grid.cell)});
+    known.push_back({grid.place_of(position_of(model, i)), color, opacity_of(model, i), spread_of(model, i, grid)});
   }
   return known;
-}
-
-/// Texture of the cells of a hole, and of the known cells as far as a pattern predicts them. Empty for an even surface
-/// and for a faint texture without a pattern.
-std::vector<Vec3f> hole_texture(const LabelledGaussians& room, const PlaneGrid& grid, const std::vector<uint8_t>& hole,
-                                const std::vector<KnownColor>& known) {
-  TextureMapSettings map_settings;
-  map_settings.light = kLight * room.extent;
-  const TextureMap map = texture_map(grid, known, map_settings);
-  if (contrast_of(map) < kLeastSpread) return {};
-  TextureSettings settings;
-  settings.reach = static_cast<int>(kTextureReach * room.extent / grid.cell);
-  std::vector<Vec3f> texture = repeated_texture(map, settings);
-  // Without a pattern that guides them, pieces of a faint texture are blotches: an even surface looks calmer.
-  const bool guided = !texture.empty();
-  if (!guided && contrast_of(map) < kStrongContrast) return {};
-  QuiltSettings quilt;
-  quilt.piece = std::max(8, static_cast<int>(kPiece * room.extent / grid.cell));
-  quilt.overlap = quilt.piece / 3;
-  const std::vector<Vec3f> pieces = quilted_texture(map, hole, texture, quilt);
-  if (pieces.empty()) return texture;
-  texture.resize(grid.size());
-  for (size_t at = 0; at < texture.size(); ++at) {
-    if (hole[at]) texture[at] = pieces[at] * (guided ? 1 : kUnguided);
-  }
-  return texture;
 }
 
 /// Light continues smoothly from the carriers without strays. A texture continues from all of them: a joint between
@@ -105,7 +87,7 @@ std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const SurfaceHole&
                                const std::vector<uint32_t>& without_strays, const std::vector<Vec3f>& gains) {
   const PlaneGrid& grid = open.grid;
   const std::vector<Vec3f> texture =
-      hole_texture(room, grid, open.cells, known_colors(room.model, grid, open.carriers, gains));
+      hole_texture(grid, open.cells, known_colors(room.model, grid, open.carriers, gains), room.extent);
   std::vector<KnownColor> known = known_colors(room.model, grid, without_strays, gains);
   if (texture.empty()) return continued_colors(grid, known);
   for (KnownColor& k : known) {
@@ -137,7 +119,8 @@ void add_gaussian(const LabelledGaussians& room, const PlaneGrid& grid, const Ve
     g.positions[3 * i + static_cast<size_t>(a)] = static_cast<float>(place[a]);
     g.sh[kPatchColorNumbers * i + static_cast<size_t>(a)] = color[a];
   }
-  const float wide = static_cast<float>(std::log(0.75 * grid.cell)), flat = wide + std::log(0.1f);
+  const float wide = static_cast<float>(std::log(static_cast<double>(kNewDeviation) * grid.cell)),
+              flat = wide + std::log(0.1f);
   const float scales[3] = {wide, wide, flat};
   std::copy_n(scales, 3, &g.log_scales[3 * i]);
   const Quaterniond q = quaternion_from_z_to(grid.normal);

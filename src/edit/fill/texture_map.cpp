@@ -3,31 +3,39 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/fill/blurred_cells.h"
+
 namespace aligngs {
 namespace {
+
+/// Adds a colour to the cells that it covers, as a flat Gaussian.
+void add_color(const KnownColor& known, TextureMap& map) {
+  constexpr double kReach = 2.5;  // standard deviations
+  const CellSpread& s = known.spread;
+  const double determinant = s.xx * s.yy - s.xy * s.xy;
+  const bool is_wide = determinant > 0;
+  const double rx = is_wide ? kReach * std::sqrt(s.xx) : 0, ry = is_wide ? kReach * std::sqrt(s.yy) : 0;
+  const int low_i = std::max(0, static_cast<int>(std::floor(known.place.x - rx))),
+            high_i = std::min(map.columns - 1, static_cast<int>(std::floor(known.place.x + rx))),
+            low_j = std::max(0, static_cast<int>(std::floor(known.place.y - ry))),
+            high_j = std::min(map.rows - 1, static_cast<int>(std::floor(known.place.y + ry)));
+  for (int j = low_j; j <= high_j; ++j) {
+    for (int i = low_i; i <= high_i; ++i) {
+      const double x = i + 0.5 - known.place.x, y = j + 0.5 - known.place.y;
+      const double distance = is_wide ? (s.yy * x * x - 2 * s.xy * x * y + s.xx * y * y) / determinant : 0;
+      const float weight = known.weight * static_cast<float>(std::exp(-0.5 * distance));
+      map.value[map.index(i, j)] += known.color * weight;
+      map.mask[map.index(i, j)] += weight;
+    }
+  }
+}
 
 /// Mean of the colours that cover each cell, as a renderer mixes them: one Gaussian alone is more colourful than its
 /// surface.
 TextureMap mean_colors(const PlaneGrid& grid, const std::vector<KnownColor>& known) {
-  constexpr double kReach = 2.5;  // standard deviations
   constexpr float kLeast = 0.1f;  // weight of a cell that is covered
   TextureMap map{grid.columns, grid.rows, std::vector<Vec3f>(grid.size()), std::vector<float>(grid.size(), 0.f)};
-  for (const KnownColor& k : known) {
-    const double r = kReach * k.radius;
-    const int low_i = std::max(0, static_cast<int>(std::floor(k.place.x - r))),
-              high_i = std::min(grid.columns - 1, static_cast<int>(std::floor(k.place.x + r))),
-              low_j = std::max(0, static_cast<int>(std::floor(k.place.y - r))),
-              high_j = std::min(grid.rows - 1, static_cast<int>(std::floor(k.place.y + r)));
-    for (int j = low_j; j <= high_j; ++j) {
-      for (int i = low_i; i <= high_i; ++i) {
-        const double dx = i + 0.5 - k.place.x, dy = j + 0.5 - k.place.y;
-        const double fall = k.radius > 0 ? std::exp(-0.5 * (dx * dx + dy * dy) / (k.radius * k.radius)) : 1;
-        const float weight = k.weight * static_cast<float>(fall);
-        map.value[map.index(i, j)] += k.color * weight;
-        map.mask[map.index(i, j)] += weight;
-      }
-    }
-  }
+  for (const KnownColor& k : known) add_color(k, map);
   for (size_t at = 0; at < map.mask.size(); ++at) {
     const float weight = map.mask[at];
     map.mask[at] = weight >= kLeast ? 1.f : 0.f;
@@ -36,40 +44,14 @@ TextureMap mean_colors(const PlaneGrid& grid, const std::vector<KnownColor>& kno
   return map;
 }
 
-/// Running mean over 2 r + 1 cells along rows or columns; zeros outside.
-void box_blur(std::vector<float>& values, const TextureMap& map, int radius, bool along_rows) {
-  const int lines = along_rows ? map.rows : map.columns, length = along_rows ? map.columns : map.rows;
-  std::vector<double> sums(static_cast<size_t>(length) + 1);
-  for (int l = 0; l < lines; ++l) {
-    const auto at = [&](int k) { return along_rows ? map.index(k, l) : map.index(l, k); };
-    sums[0] = 0;
-    for (int k = 0; k < length; ++k)
-      sums[static_cast<size_t>(k) + 1] = sums[static_cast<size_t>(k)] + static_cast<double>(values[at(k)]);
-    for (int k = 0; k < length; ++k) {
-      const size_t begin = static_cast<size_t>(std::max(0, k - radius));
-      const size_t end = static_cast<size_t>(std::min(length, k + radius + 1));
-      values[at(k)] = static_cast<float>((sums[end] - sums[begin]) / (2 * radius + 1));
-    }
-  }
-}
-
-/// About a Gaussian of standard deviation `sigma` cells: three running means (Wells 1986).
-void blur(std::vector<float>& values, const TextureMap& map, double sigma) {
-  const int radius = std::max(1, static_cast<int>(std::lround(sigma)));  // three boxes of 2 r + 1 have sigma r + 1/2
-  for (int pass = 0; pass < 3; ++pass) {
-    box_blur(values, map, radius, true);
-    box_blur(values, map, radius, false);
-  }
-}
-
 /// Takes the light away: the blurred colours of the known cells.
 void subtract_light(TextureMap& map, double sigma) {
   std::vector<float> weight = map.mask;
-  blur(weight, map, sigma);
+  blur_cells(weight, map.columns, map.rows, sigma);
   for (int c = 0; c < 3; ++c) {
     std::vector<float> channel(map.value.size());
     for (size_t at = 0; at < channel.size(); ++at) channel[at] = map.mask[at] > 0 ? map.value[at][c] : 0.f;
-    blur(channel, map, sigma);
+    blur_cells(channel, map.columns, map.rows, sigma);
     for (size_t at = 0; at < channel.size(); ++at) {
       if (map.mask[at] > 0) map.value[at][c] -= channel[at] / weight[at];
     }

@@ -10,8 +10,10 @@ namespace {
 /// 50 x 50 cells of 2 cm.
 PlaneGrid floor_grid() { return square_grid(50, 0.02); }
 
-KnownColor gray(double x, double y, float shade, double radius = 0) {
-  return {{x, y}, {shade, shade, shade}, 1, radius};
+/// `deviation`: of what it covers, in cells.
+KnownColor gray(double x, double y, float shade, double deviation = 0) {
+  const double variance = deviation * deviation;
+  return {{x, y}, {shade, shade, shade}, 1, {variance, 0, variance}};
 }
 
 TEST(TextureMap, LightIsTakenAway) {
@@ -33,8 +35,15 @@ TEST(TextureMap, GaussiansMixAsTheyCover) {
   const TextureMap map = texture_map(floor_grid(), known, settings);
   EXPECT_TRUE(map.knows(27, 25)) << "a wide one covers its neighbours";
   EXPECT_TRUE(map.knows(5, 5));
-  EXPECT_FALSE(map.knows(6, 5)) << "one without a radius covers its cell alone";
+  EXPECT_FALSE(map.knows(6, 5)) << "one without a spread covers its cell alone";
   EXPECT_NEAR(map.value[map.index(25, 25)].x, map.value[map.index(27, 25)].x, 0.02f) << "both show the mean";
+}
+
+TEST(TextureMap, ALongGaussianCoversALongStroke) {
+  const KnownColor stroke{{25.5, 25.5}, {1, 1, 1}, 1, {5, 4.5, 5}};  // along the diagonal
+  const TextureMap map = texture_map(floor_grid(), {stroke});
+  EXPECT_TRUE(map.knows(29, 29));
+  EXPECT_FALSE(map.knows(29, 21));
 }
 
 TEST(TextureMap, AStainIsShortened) {
