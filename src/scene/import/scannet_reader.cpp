@@ -2,6 +2,13 @@
 // where tracking was lost), intrinsic/{intrinsic,extrinsic}_{color,depth}.txt (4x4), *_vh_clean_2.ply beside or above.
 // The benchmark's frames ("scannet_frames_25k") have intrinsics_{color,depth}.txt in the folder itself.
 // Intrinsics count from the centre of the first pixel, so half a pixel is added.
+// Extrinsics map each sensor's frame to a common one. In calibrated captures both are identities. Poses are taken as
+// those of the colour camera, with a warning where its extrinsic is another matrix.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
 #include "core/error.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
@@ -25,6 +32,31 @@ std::vector<double> read_matrix4(const fs::path& file) {
 fs::path intrinsics_file(const fs::path& folder, const std::string& sensor) {
   return first_existing({folder / "intrinsic" / ("intrinsic_" + sensor + ".txt"),
                          folder / ("intrinsics_" + sensor + ".txt"), folder / ("intrinsic_" + sensor + ".txt")});
+}
+
+/// A sensor's frame to the common one; the identity where there is no file.
+Rigidd read_extrinsic(const fs::path& file) {
+  return fs::exists(file) ? rigid_from_matrix(read_matrix4(file), file, "matrix") : Rigidd{};
+}
+
+bool is_identity(const Rigidd& motion) {
+  constexpr double kRounding = 1e-4;  // of printed rotations, and metres
+  double deviation = norm(motion.translation);
+  for (int i = 0; i < 9; ++i)
+    deviation = std::max(deviation, std::fabs(motion.rotation.m[i] - (i % 4 == 0 ? 1.0 : 0.0)));
+  return deviation < kRounding;
+}
+
+/// Depth camera to colour camera. Error{kBadInput} for a distance that no device has, as of other units than metres.
+Rigidd depth_to_color(const Rigidd& color, const Rigidd& depth, const fs::path& file) {
+  constexpr double kFarthest = 1;  // metres; sensors of one device are some centimetres apart
+  const Rigidd motion = color.inverse() * depth;
+  const double distance = norm(motion.translation);
+  if (distance > kFarthest)
+    throw_bad_input(file, "matrix",
+                    fmt::format("by the extrinsics, depth and colour camera are {:.4g} m apart", distance),
+                    "write the translations of both extrinsics in metres");
+  return motion;
 }
 
 fs::path find_mesh(const fs::path& folder) {
@@ -74,16 +106,18 @@ Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
       return frame;
     });
   }
+  const fs::path depth_extrinsic = intrinsic / "extrinsic_depth.txt";
+  const Rigidd color_to_common = read_extrinsic(intrinsic / "extrinsic_color.txt");
+  if (!is_identity(color_to_common)) {
+    capture.notes.push_back(
+        "intrinsic/extrinsic_color.txt is not the identity: poses are taken as those of the colour camera. The poses "
+        "of an uncalibrated capture may be those of the common frame: multiply each by this matrix first (pose * "
+        "extrinsic_color)");
+  }
   if (!depth_file.empty()) {
     const Intrinsics d = read_intrinsics(depth_file);
     DepthCamera camera{d.fx, d.fy, d.cx + kHalfPixel, d.cy + kHalfPixel, {}, depth_file};
-    const fs::path color_extrinsic = intrinsic / "extrinsic_color.txt",
-                   depth_extrinsic = intrinsic / "extrinsic_depth.txt";
-    if (fs::exists(color_extrinsic) && fs::exists(depth_extrinsic)) {
-      // Extrinsics map each sensor's frame to the common one.
-      camera.to_color = rigid_from_matrix(read_matrix4(color_extrinsic), color_extrinsic, "matrix").inverse() *
-                        rigid_from_matrix(read_matrix4(depth_extrinsic), depth_extrinsic, "matrix");
-    }
+    camera.to_color = depth_to_color(color_to_common, read_extrinsic(depth_extrinsic), depth_extrinsic);
     capture.depth_camera = camera;
   }
   capture.mesh = find_mesh(folder);
