@@ -234,7 +234,34 @@ TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
   ASSERT_EQ(capture.frames.size(), 1u);
   EXPECT_EQ(capture.frames[0].name, "b");
   EXPECT_THAT(reasons(capture),
-              ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
+              ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("found null"), HasSubstr("frame needs")));
+}
+
+TEST_F(TransformsTest, AnEntryOfAMatrixThatIsNoNumberIsNamed) {
+  const std::string rows = "[[0,1,0,1],[1,0,{},2],[0,0,-1,3],[0,0,0,1]]";
+  for (const char* entry : {"\"abc\"", "null", "true"}) {
+    const std::string matrix = fmt::format(fmt::runtime(rows), entry);
+    try {
+      read("", "", matrix);
+      ADD_FAILURE() << entry;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(std::string("frames[0].transform_matrix[1][2]: expected a number, found ") +
+                                          entry));
+    }
+  }
+}
+
+TEST_F(TransformsTest, AMatrixWithNaNIsNotFinite) {
+  try {
+    read("", "", "[[0,1,0,1],[1,0,NaN,2],[0,0,-1,3],[0,0,0,1]]");
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the pose is not finite"));
+  }
+}
+
+TEST_F(TransformsTest, AnEntryOfIntrinsicsThatIsNoNumberIsNamed) {
+  EXPECT_THAT(error_of(R"(, "K": [[30,0,16],[0,"x",12],[0,0,1]])"), HasSubstr("K: expected a number, found \"x\""));
 }
 
 TEST_F(TransformsTest, NumbersMayBeTexts) {

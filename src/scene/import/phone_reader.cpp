@@ -18,6 +18,7 @@
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/json_number.h"
 
 namespace aligngs {
 
@@ -26,29 +27,40 @@ using Json = nlohmann::json;
 
 namespace {
 
+constexpr const char* kBadFrame = "export the capture again, or leave this frame out";
+
 Json read_frame_json(const fs::path& file) {
   const std::string content = read_file(file);
   Json document = parse_json(text_of_file(content, file));
   if (document.is_discarded()) refuse_foreign_content(content, file);
   if (!document.is_object())
-    throw_bad_input(file, "", "this is no JSON object", "export the capture again, or leave this frame out");
+    throw_bad_input(file, "", "this is no JSON object", kBadFrame);
   return document;
 }
 
-/// NaN where it is absent or no number, which what reads it refuses.
-double number_of(const Json& document, const std::string& key) {
-  const auto found = document.find(key);
-  return found != document.end() && found->is_number() ? found->get<double>() : NAN;
+/// NaN for the words "NaN" and "Infinity", as in a pose of lost tracking. Error{kBadInput} naming `field` for other values.
+double number_in(const Json& value, const std::string& field, const fs::path& file) {
+  if (value.is_number()) return value.get<double>();
+  if (!is_number_of_json(value) || std::isfinite(number_of_json(value)))
+    throw_bad_input(file, field, no_number(value), kBadFrame);
+  return NAN;
 }
 
-std::vector<double> numbers_of(const Json& document, const char* key, size_t count, const fs::path& file) {
+/// The same of a field, which has to be there.
+double number_of(const Json& document, const std::string& key, const fs::path& file) {
   const auto found = document.find(key);
-  if (found == document.end() || !found->is_array() || found->size() != count) {
-    throw_bad_input(file, key, "expected " + std::to_string(count) + " numbers",
-                    "export the capture again, or leave this frame out");
-  }
+  if (found == document.end()) throw_bad_input(file, key, "the field is missing", kBadFrame);
+  return number_in(*found, key, file);
+}
+
+std::vector<double> numbers_of(const Json& document, const std::string& key, size_t count, const fs::path& file) {
+  const auto found = document.find(key);
+  if (found == document.end()) throw_bad_input(file, key, "the field is missing", kBadFrame);
+  if (!found->is_array() || found->size() != count)
+    throw_bad_input(file, key, "expected " + std::to_string(count) + " numbers", kBadFrame);
   std::vector<double> numbers;
-  for (const Json& value : *found) numbers.push_back(value.is_number() ? value.get<double>() : NAN);
+  for (const Json& value : *found)
+    numbers.push_back(number_in(value, key + "[" + std::to_string(numbers.size()) + "]", file));
   return numbers;
 }
 
@@ -82,20 +94,20 @@ CapturedFrame polycam_frame(const fs::path& image, const fs::path& json, const f
   std::vector<double> matrix;
   for (const char row : {'0', '1', '2'}) {
     for (const char column : {'0', '1', '2', '3'})
-      matrix.push_back(number_of(document, std::string("t_") + row + column));
+      matrix.push_back(number_of(document, std::string("t_") + row + column, json));
   }
   matrix.insert(matrix.end(), {0, 0, 0, 1});
   frame.world_to_camera = pose_of(matrix, json, "t_00 .. t_23");
   ColmapCamera camera;
   camera.model = "PINHOLE";
-  const double width = number_of(document, "width"), height = number_of(document, "height");
+  const double width = number_of(document, "width", json), height = number_of(document, "height", json);
   if (!(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide))
     throw_bad_input(json, "width, height", "no size of a photo", "export the capture again");
   camera.width = static_cast<uint64_t>(width);
   camera.height = static_cast<uint64_t>(height);
-  for (const char* key : {"fx", "fy", "cx", "cy"}) camera.params.push_back(number_of(document, key));
+  for (const char* key : {"fx", "fy", "cx", "cy"}) camera.params.push_back(number_of(document, key, json));
   if (!all_finite(camera.params.data(), camera.params.size()))
-    throw_bad_input(json, "fx, fy, cx, cy", "no number", "export the capture again");
+    throw_bad_input(json, "fx, fy, cx, cy", "a number is not finite", "export the capture again");
   set_camera(frame, camera, json);
   set_depth(frame, keyframes / "depth" / (frame.name + ".png"));
   frame.confidence = file_if_there(keyframes / "confidence" / (frame.name + ".png"));
@@ -112,7 +124,7 @@ CapturedFrame scanner_frame(const fs::path& image, const fs::path& folder) {
   frame.world_to_camera = pose_of(numbers_of(document, "cameraPoseARFrame", 16, json), json, "cameraPoseARFrame");
   const std::vector<double> k = numbers_of(document, "intrinsics", 9, json);
   if (const std::string fault = fault_of_matrix(k, 3); !fault.empty())
-    throw_bad_input(json, "intrinsics", fault, "export the capture again, or leave this frame out");
+    throw_bad_input(json, "intrinsics", fault, kBadFrame);
   set_intrinsics(frame, {k[0], k[4], k[2], k[5], 0, 0, json});
   const std::string number = frame.name.substr(frame.name.find('_') + 1);
   set_depth(frame, folder / ("depth_" + number + ".png"));

@@ -26,11 +26,20 @@ class PhoneReader : public testing::Test {
     std::ofstream(folder / file) << text;
   }
   /// A camera at (1, 2, 3) that looks along -z of the world, as ARKit's does at the start.
-  void polycam_frame(const std::string& name) const {
-    write("keyframes/cameras/" + name + ".json", R"({"fx": 30, "fy": 30, "cx": 20, "cy": 15, "width": 40, "height": 30,
-      "t_00": 1, "t_01": 0, "t_02": 0, "t_03": 1, "t_10": 0, "t_11": 1, "t_12": 0, "t_13": 2, "t_20": 0, "t_21": 0, "t_22": 1, "t_23": 3})");
+  void polycam_frame(const std::string& name, const std::string& t_12 = "\"t_12\": 0,") const {
+    write("keyframes/cameras/" + name + ".json",
+          R"({"fx": 30, "fy": 30, "cx": 20, "cy": 15, "width": 40, "height": 30,
+      "t_00": 1, "t_01": 0, "t_02": 0, "t_03": 1, "t_10": 0, "t_11": 1, )" +
+              t_12 + R"("t_13": 2, "t_20": 0, "t_21": 0, "t_22": 1, "t_23": 3})");
     fs::create_directories(folder / "keyframes/images");
     write_jpeg(folder / "keyframes/images" / (name + ".jpg"), Image<uint8_t>(40, 30, 3, 90));
+  }
+  /// The same camera in 3D Scanner App's files; `first`: the first entry of its matrix.
+  void scanner_frame(const std::string& number, const std::string& first = "1") const {
+    write_jpeg(folder / ("frame_" + number + ".jpg"), Image<uint8_t>(40, 30, 3, 90));
+    write("frame_" + number + ".json",
+          R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [)" + first +
+              ", 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]}");
   }
   fs::path folder;
 };
@@ -116,6 +125,42 @@ TEST_F(PhoneReader, ALostPoseIsNamed) {
   EXPECT_EQ(capture.frames.size(), 1u);
   ASSERT_EQ(capture.left_out.size(), 1u);
   EXPECT_THAT(capture.left_out[0].reason, HasSubstr("lost tracking"));
+}
+
+TEST_F(PhoneReader, AFieldOfAPolycamCameraThatIsMissingIsNamed) {
+  polycam_frame("100");
+  polycam_frame("200", "");
+  const Capture capture = read_capture(folder);
+  EXPECT_EQ(capture.frames.size(), 1u);
+  ASSERT_EQ(capture.left_out.size(), 1u);
+  EXPECT_THAT(capture.left_out[0].reason, HasSubstr("t_12: the field is missing"));
+}
+
+TEST_F(PhoneReader, AFieldOfAPolycamCameraThatIsNoNumberIsNamed) {
+  for (const char* value : {"\"abc\"", "\"0\"", "null"}) {
+    polycam_frame("100");
+    polycam_frame("200", std::string("\"t_12\": ") + value + ",");
+    const Capture capture = read_capture(folder);
+    ASSERT_EQ(capture.left_out.size(), 1u) << value;
+    EXPECT_THAT(capture.left_out[0].reason, HasSubstr(std::string("t_12: expected a number, found ") + value));
+  }
+}
+
+TEST_F(PhoneReader, APolycamPoseOfNaNIsLostTracking) {
+  polycam_frame("100");
+  polycam_frame("200", "\"t_12\": NaN,");
+  const Capture capture = read_capture(folder);
+  ASSERT_EQ(capture.left_out.size(), 1u);
+  EXPECT_THAT(capture.left_out[0].reason, HasSubstr("lost tracking"));
+}
+
+TEST_F(PhoneReader, AnEntryOfAScannerPoseThatIsNoNumberIsNamed) {
+  scanner_frame("00000", "1");
+  scanner_frame("00001", "\"abc\"");
+  const Capture capture = read_capture(folder);
+  EXPECT_EQ(capture.frames.size(), 1u);
+  ASSERT_EQ(capture.left_out.size(), 1u);
+  EXPECT_THAT(capture.left_out[0].reason, HasSubstr("cameraPoseARFrame[0]: expected a number, found \"abc\""));
 }
 
 TEST_F(PhoneReader, PolycamCamerasWithoutTheirPhotoAreListed) {

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/angles.h"
 #include "core/error.h"
 #include "scene/import/capture.h"
 #include "scene/import/intrinsics.h"
+#include "scene/import/json_number.h"
 
 namespace aligngs {
 namespace {
@@ -126,18 +126,10 @@ const Json* TransformsFields::find(const char* key) const {
   return nullptr;
 }
 
-double number_of_json(const nlohmann::json& value) {
-  if (value.is_number()) return value.get<double>();
-  if (!value.is_string()) return NAN;
-  const std::string text = value.get<std::string>();  // "1920", as some programs write it
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  return !text.empty() && end == text.c_str() + text.size() ? number : NAN;
-}
-
 double TransformsFields::number(const char* key, double fallback) const {
   const Json* value = find(key);
   if (!value) return fallback;
+  if (!is_number_of_json(*value)) throw_bad_input(file_, key, no_number(*value), "correct the value");
   const double stated = number_of_json(*value);
   if (!std::isfinite(stated)) throw_bad_input(file_, key, "expected a finite number", "correct the value");
   return stated;
@@ -163,9 +155,14 @@ std::optional<std::array<double, 4>> TransformsFields::intrinsics() const {
     const Json* value = find(key);
     if (!value || !value->is_array()) continue;  // an object of other names is listed as unknown
     std::vector<double> m;
+    const auto add = [&](const Json& entry) {
+      if (!is_number_of_json(entry))
+        throw_bad_input(file_, key, no_number(entry), "write fx 0 cx / 0 fy cy / 0 0 1 in pixels");
+      m.push_back(number_of_json(entry));
+    };
     for (const Json& row : *value) {  // rows, or all numbers in one list
-      if (!row.is_array()) m.push_back(number_of_json(row));
-      for (const Json& number : row.is_array() ? row : Json::array()) m.push_back(number_of_json(number));
+      if (!row.is_array()) add(row);
+      for (const Json& entry : row.is_array() ? row : Json::array()) add(entry);
     }
     const size_t side = m.size() == 16 ? 4 : 3;
     const std::string fault = m.size() == side * side ? fault_of_matrix(m, side) : "it has not 3 or 4 rows";

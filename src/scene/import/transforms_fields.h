@@ -14,9 +14,6 @@
 
 namespace aligngs {
 
-/// A number, also one that is written as a text; NaN where it is none.
-double number_of_json(const nlohmann::json& value);
-
 /// Values of one frame: its own, else those of the whole file.
 class TransformsFields {
  public:

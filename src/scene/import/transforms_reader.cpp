@@ -1,6 +1,8 @@
 // transforms.json of nerfstudio and instant-ngp, or Blender's transforms_train.json and transforms_test.json
 // (transforms_val.json):
 // OpenGL camera-to-world per frame, a lens for all of them or for each. transforms_fields.h has what the fields mean.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -14,6 +16,7 @@
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/json_number.h"
 #include "scene/import/transforms_fields.h"
 #include "scene/import/transforms_place.h"
 #include "scene/mesh_ply.h"
@@ -52,11 +55,18 @@ Transforms read_document(const fs::path& file) {
 /// well.
 Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& field, double& scale) {
   std::vector<double> m;
+  const auto add = [&](const Json& entry, const std::string& place) {
+    if (!is_number_of_json(entry)) throw_bad_input(file, place, no_number(entry), "correct the matrix");
+    m.push_back(number_of_json(entry));
+  };
+  size_t index = 0;
   for (const Json& row : matrix) {  // rows, or all numbers in one list
+    const std::string place = fmt::format("{}[{}]", field, index++);
+    size_t column = 0;
     if (!row.is_array())
-      m.push_back(number_of_json(row));
+      add(row, place);
     else
-      for (const Json& v : row) m.push_back(number_of_json(v));
+      for (const Json& entry : row) add(entry, fmt::format("{}[{}]", place, column++));
   }
   if (m.size() != 16 && m.size() != 12) throw_bad_input(file, field, "expected 4x4 numbers", "correct the matrix");
   return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m, file, field, scale));
