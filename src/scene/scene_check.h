@@ -38,7 +38,7 @@ inline constexpr const char* kDepthOfViews = "depth of the views";
 std::vector<SceneProblem> check_depth_of_views(const Scene& scene);
 
 /// Warnings from cameras and points alone: views that see few points or share few with any other view, cameras
-/// that are (nearly) in one place.
+/// that are (nearly) in one place. A single training view is one as well.
 std::vector<SceneProblem> check_geometry(const Scene& scene);
 
 /// Indices of the points that project into the image, less those clearly behind others (a coarse depth test).

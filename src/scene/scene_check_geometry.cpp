@@ -91,6 +91,13 @@ void check_baselines(const Scene& scene, std::vector<SceneProblem>& problems) {
   }
 }
 
+void check_count(const Scene& scene, std::vector<SceneProblem>& problems) {
+  if (scene.train.size() >= kFewestTrainingViews) return;
+  problems.push_back({scene.folder / "split.json", "train",
+                      "only one view trains: it has no parallax, so nothing but priors says how far away things are",
+                      "add photos of the same things from other places", false});
+}
+
 /// A part of a larger photo may have its principal point outside. More often the camera is for another size.
 void check_principal_points(const Scene& scene, std::vector<SceneProblem>& problems) {
   for (const int i : scene.train) {
@@ -188,6 +195,7 @@ std::vector<SceneProblem> check_geometry(const Scene& scene) {
                                  : fmt::format("the cloud has only {} points to start from", scene.cloud.size());
     problems.push_back({scene.folder / "sparse", "points3D", what, "give the scene SfM points or prior depth", false});
   }
+  check_count(scene, problems);
   check_baselines(scene, problems);
   check_place(scene, problems);
   check_principal_points(scene, problems);

@@ -314,6 +314,15 @@ TEST(CheckGeometry, CamerasInOnePlaceAreAWarning) {
   EXPECT_EQ(problems[0].field, "poses");
 }
 
+TEST(CheckGeometry, ASingleTrainingViewIsAWarning) {
+  Scene scene = open_scene(write_scene());
+  scene.train.resize(1);
+  const std::vector<SceneProblem> problems = check_geometry(scene);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].field, "train");
+  EXPECT_FALSE(problems[0].fatal);
+}
+
 TEST(DisparityEvidence, NeedsEnoughPointsAndAClearSign) {
   const Scene scene = open_scene(write_scene());
   const Camera camera = scene.views[0].camera;

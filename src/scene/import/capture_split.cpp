@@ -1,5 +1,6 @@
 #include "scene/import/capture_split.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -33,9 +34,11 @@ std::vector<int> indices_of(const Capture& capture, const std::vector<std::strin
   std::set<std::string> lost;
   for (const LeftOut& frame : capture.left_out) lost.insert({frame.name, view_name_of(frame.name)});
   std::vector<int> indices;
+  std::set<int> taken;
   std::string unknown;
   for (const std::string& name : names) {
     const int found = frames.find(name);
+    if (found >= 0 && !taken.insert(found).second) continue;  // a name that is there twice counts once
     if (found >= 0)
       indices.push_back(found);
     else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name)) &&
@@ -92,6 +95,42 @@ std::vector<int> held_out(const Capture& capture, int count, ThreadPool& pool) {
   return select_test_views(capture, {}, count, pool);
 }
 
+/// The option or list that decides which frames train, and how more of them would.
+struct CauseOfTraining {
+  std::string option, remedy;
+};
+
+CauseOfTraining cause_of_training(const Capture& capture, const ImportOptions& options, const std::vector<int>& test) {
+  const bool names_test = !options.test_names.empty();
+  if (options.views == 1) return {"--views 1", fmt::format("use --views {} or more", kFewestTrainingViews)};
+  if (options.stride > 0) {
+    const int all = static_cast<int>(capture.frames.size());
+    for (int stride = std::min(options.stride, all) - 1; stride > 0; --stride) {
+      if (without(select_stride(capture, stride), test).size() >= kFewestTrainingViews)
+        return {fmt::format("--stride {}", options.stride), fmt::format("use --stride {} or less", stride)};
+    }
+  }
+  if (!options.train_names.empty()) return {"--train", fmt::format("name {} frames or more", kFewestTrainingViews)};
+  if (names_test) return {"--test", "name fewer frames"};
+  const bool own_train = options.views == 0 && options.stride == 0 && !capture.train.empty();
+  return {own_train ? "the training list of the capture" : "the test list of the capture",
+          "correct the list, or give other names with --train"};
+}
+
+/// Error{kBadInput} where options or lists leave too few of more frames. A single frame trains alone.
+void require_enough_to_train(const Capture& capture, const ImportOptions& options, const CaptureSplit& split) {
+  const size_t kept = split.train.size(), all = capture.frames.size();
+  if (kept >= kFewestTrainingViews || (kept == 1 && all == 1)) return;
+  const bool names_lost_frames = options.train_names.empty() && capture.train.size() >= kFewestTrainingViews;
+  if (names_lost_frames && options.views == 0 && options.stride == 0)
+    require_enough(capture.folder, all, capture.left_out, all + 1, false);
+  const CauseOfTraining cause = cause_of_training(capture, options, split.test);
+  throw_bad_input(capture.folder, cause.option,
+                  fmt::format("this leaves {} of {} frames for training, and {} are needed", kept, all,
+                              kFewestTrainingViews),
+                  cause.remedy);
+}
+
 /// The frames that are named for both. They train.
 void keep_apart(const Capture& capture, CaptureSplit& split) {
   std::vector<std::string> both;
@@ -135,6 +174,7 @@ CaptureSplit split_capture(const Capture& capture, const ImportOptions& options,
   } else {
     split.train = without(all_frames(capture), split.test);
   }
+  require_enough_to_train(capture, options, split);
 
   if (own_test && counts_test) split.test = thinned(split.test, options.test_views);
   if (!names_test && !own_test && split.test.empty()) {
@@ -144,7 +184,6 @@ CaptureSplit split_capture(const Capture& capture, const ImportOptions& options,
   keep_apart(capture, split);
   const int found = static_cast<int>(split.test.size());
   if (found < options.test_views) log_warning("{} of {} test views: no other frame is left", found, options.test_views);
-  if (split.train.empty()) throw_bad_input(capture.folder, "train", "no training view is left", "give other names");
   return split;
 }
 

@@ -16,8 +16,9 @@ struct CaptureSplit {
 
 /// As the options ask, else as the capture has it. Without either, many frames are chosen by coverage, and few frames
 /// all train. Frames of test_names never train, unless train_names has them as well. A number of test views alone is
-/// held out of few frames. Error{kUsage} for options that contradict each other; Error{kBadInput} for a name that no
-/// frame has, and when no frame is left to train on.
+/// held out of few frames. A name that is twice in a list counts once. Error{kUsage} for options that contradict each
+/// other. Error{kBadInput} for a name that no frame has. The same where an option or list leaves fewer than
+/// kFewestTrainingViews of more frames for training: it is named. A single frame trains alone.
 CaptureSplit split_capture(const Capture& capture, const ImportOptions& options, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -94,6 +94,82 @@ TEST_F(SplitOfCapture, TwoViewsMustBeLeftForTraining) {
       AllOf(HasSubstr("--test-views 9 leaves fewer than 2 of 10 frames"), HasSubstr("--test-views 8 or fewer")));
 }
 
+TEST_F(SplitOfCapture, AStrideThatLeavesOneViewIsRefusedWithTheLargestThatLeavesTwo) {
+  ImportOptions options;
+  options.stride = 100;
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split(options); }),
+              AllOf(HasSubstr("--stride 100: this leaves 1 of 10 frames for training"),
+                    HasSubstr("use --stride 9 or less")));
+}
+
+TEST_F(SplitOfCapture, TheRemedyOfAStrideCountsTestViews) {
+  ImportOptions options;
+  options.stride = 9;
+  options.test_names = {"9", "8", "7"};
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split(options); }), HasSubstr("use --stride 6 or less"));
+}
+
+TEST_F(SplitOfCapture, OneViewThatIsAskedForIsRefused) {
+  ImportOptions options;
+  options.views = 1;
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split(options); }),
+              AllOf(HasSubstr("--views 1: this leaves 1 of 10 frames"), HasSubstr("use --views 2 or more")));
+}
+
+TEST_F(SplitOfCapture, OneTrainingNameIsRefused) {
+  ImportOptions options;
+  options.train_names = {"3", "3.png"};
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split(options); }), HasSubstr("--train: this leaves 1 of 10"));
+}
+
+TEST_F(SplitOfCapture, TestNamesThatLeaveOneViewAreRefused) {
+  take(3);
+  ImportOptions options;
+  options.test_names = {"1", "2"};
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split(options); }), HasSubstr("--test: this leaves 1 of 3 frames"));
+}
+
+TEST_F(SplitOfCapture, AnOwnListOfOneTrainingViewIsRefused) {
+  capture_.train = {"4"};
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split({}); }),
+              HasSubstr("the training list of the capture: this leaves 1 of 10 frames"));
+}
+
+TEST_F(SplitOfCapture, AnOwnTestListThatLeavesOneViewIsRefused) {
+  take(2);
+  capture_.test = {"1"};
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split({}); }),
+              HasSubstr("the test list of the capture: this leaves 1 of 2 frames"));
+}
+
+TEST_F(SplitOfCapture, FramesOfTheOwnListThatWereLeftOutAreTheReason) {
+  capture_.train = {"4", "gone"};
+  capture_.left_out = {{"gone", "the photo is missing", "add the photo"}};
+  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split({}); }),
+              AllOf(HasSubstr("gone (the photo is missing)"), HasSubstr("add the photo")));
+}
+
+TEST_F(SplitOfCapture, ASingleFrameTrainsAlone) {
+  take(1);
+  EXPECT_THAT(split({}).train, ElementsAre(0));
+}
+
+TEST_F(SplitOfCapture, ANameThatIsTwiceInAListCountsOnce) {
+  ImportOptions options;
+  options.train_names = {"1", "2", "1", "2.jpg"};
+  options.test_names = {"3", "3"};
+  const CaptureSplit frames = split(options);
+  EXPECT_THAT(frames.train, ElementsAre(1, 2));
+  EXPECT_THAT(frames.test, ElementsAre(3));
+}
+
+TEST_F(SplitOfCapture, ANameThatIsTwiceGivesNoWarning) {
+  capture_.test = {"3", "3"};
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(split({}).test, ElementsAre(3));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 TEST_F(SplitOfCapture, WithoutOptionsAllTrain) { EXPECT_THAT(split({}).train, SizeIs(10)); }
 
 TEST_F(SplitOfCapture, AListAndANumberOfTestViewsContradictEachOther) {
@@ -105,9 +181,9 @@ TEST_F(SplitOfCapture, AListAndANumberOfTestViewsContradictEachOther) {
 
 TEST_F(SplitOfCapture, AStrideLeavesTheTestListOut) {
   ImportOptions options;
-  options.stride = 5;
-  options.test_names = {"5"};
-  EXPECT_THAT(split(options).train, ElementsAre(0));
+  options.stride = 3;
+  options.test_names = {"6"};
+  EXPECT_THAT(split(options).train, ElementsAre(0, 3, 9));
 }
 
 TEST_F(SplitOfCapture, ViewsAreChosenAmongFramesThatNoTestListHas) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "scene/import/capture_split.h"
 #include "scene/import/testing/capture_folder.h"
 #include "scene/photo_lookup.h"
 
@@ -184,6 +185,23 @@ TEST_F(TransformsTest, FramesThatAreHeldOutTest) {
   EXPECT_THAT(capture.train, ElementsAre("a"));
   EXPECT_THAT(capture.test, ElementsAre("b"));
   EXPECT_EQ(capture.frames.size(), 2u);
+}
+
+TEST_F(TransformsTest, AFrameOfBothTestListsTestsOnce) {
+  for (const char* name : {"images/b.png", "images/c.png"}) image(name);
+  const auto frame = [&](const char* name) {
+    return fmt::format(R"({{"file_path": "images/{}.png", "transform_matrix": {}}})", name, kMatrix);
+  };
+  write("transforms.json", fmt::format(R"({{"fl_x": 30, "frames": [{}, {}, {}], "train_filenames": ["images/a.png",
+          "images/b.png", "images/a.png"], "val_filenames": ["images/c.png"], "test_filenames": ["images/c.png"]}})",
+                                       frame("a"), frame("b"), frame("c")));
+  image("images/a.png");
+  const Capture capture = read_capture(folder_);
+  EXPECT_THAT(reasons(capture), testing::IsEmpty());
+  ThreadPool pool(1);
+  const CaptureSplit split = split_capture(capture, {}, pool);
+  EXPECT_THAT(split.train, ElementsAre(0, 1));
+  EXPECT_THAT(split.test, ElementsAre(2));
 }
 
 TEST_F(TransformsTest, DepthFilesThatAreMissingAreReported) {

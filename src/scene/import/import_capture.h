@@ -49,8 +49,9 @@ struct ImportReport {
 };
 
 /// Frames that cannot be used are left out, with a line each and a summary in the log. Error{kBadInput} for names that
-/// do not exist, and when fewer than kFewestTrainingViews are left of more. Also for anything that training would
-/// refuse: the scene passes training's check before it takes its place. The folder appears complete or not at all.
+/// do not exist, and when fewer than kFewestTrainingViews are left of more, or left by options (capture_split.h). Also
+/// for anything that training would refuse: the scene passes training's check before it takes its place. The folder
+/// appears complete or not at all.
 ImportReport import_capture(const Capture& capture, const std::filesystem::path& output, const ImportOptions& options,
                             ThreadPool& pool);
 
