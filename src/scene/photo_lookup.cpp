@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "core/error.h"
 #include "core/letter_case.h"
+#include "io/file_system_error.h"
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
 #include "scene/photo_mask.h"
@@ -19,6 +21,15 @@ namespace {
 bool is_file(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);
+}
+
+bool is_readable(const fs::path& folder) {
+  try {
+    require_readable_folder(folder, {});
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 /// Whether the extension is that of a picture, also of kinds that are not read.
@@ -102,8 +113,24 @@ PhotoLookup::Answer PhotoLookup::find(const std::string& given) const {
   }
   const std::string decoded = percent_decoded(name);  // after all rules for the name as it is written
   if (!decoded.empty()) return find(decoded);
+  require_readable_places(name);
   const std::string unread = of_unread_kind(name);
   return {{}, unread.empty() ? kMissing : unread + " is of a kind that is not read: convert it to PNG or JPEG"};
+}
+
+void PhotoLookup::require_readable_places(const std::string& name) const {
+  candidates();
+  if (!barred_.empty()) require_readable_folder(barred_, {});
+  if (leads_elsewhere(name)) return;  // folders of another machine tell nothing
+  for (const Folders& folders : places_) {
+    for (const fs::path& folder : folders) {
+      const fs::path around = (folder / name).parent_path();
+      std::error_code error;
+      const bool there = fs::is_directory(around, error);
+      if (error == std::errc::permission_denied) throw error_of(fs::filesystem_error("list", around, error));
+      if (there) require_readable_folder(around, {});
+    }
+  }
 }
 
 std::string PhotoLookup::of_unread_kind(const std::string& name) const {
@@ -203,6 +230,7 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
   if (listed_ || photos_.empty()) return candidates_;
   listed_ = true;
   std::error_code error;
+  if (fs::is_directory(photos_, error) && !is_readable(photos_)) barred_ = photos_;
   fs::recursive_directory_iterator entry(photos_, fs::directory_options::skip_permission_denied, error);
   for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
@@ -210,6 +238,7 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
       if (entry->is_directory(error)) entry.disable_recursion_pending();
       continue;
     }
+    if (barred_.empty() && entry->is_directory(error) && !is_readable(file)) barred_ = file;
     if (!has_picture_extension(file) || !is_file(file)) continue;
     Candidate candidate{file, {}, {}};
     for (const fs::path& part : file.lexically_relative(photos_)) candidate.parts.push_back(as_utf8(part.string()));

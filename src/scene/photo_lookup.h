@@ -38,6 +38,7 @@ class PhotoLookup {
     std::filesystem::path file;  ///< empty: not found
     std::string problem;         ///< why not: missing, or which files it could be
   };
+  /// Error{kBadInput} where nothing is found and a folder that it may lie in may not be read.
   Answer find(const std::string& name) const;
   const std::filesystem::path& photos() const { return photos_; }
   /// Whether it failed because several files could be meant.
@@ -60,6 +61,7 @@ class PhotoLookup {
   Answer by_ending(const std::string& name, bool any_spelling) const;
   /// A photo of this name of a kind that is not read, such as TIFF; empty: none.
   std::string of_unread_kind(const std::string& name) const;
+  void require_readable_places(const std::string& name) const;
   const std::vector<Candidate>& candidates() const;
   const std::vector<Entry>& entries(const std::filesystem::path& folder) const;
 
@@ -67,6 +69,7 @@ class PhotoLookup {
   std::filesystem::path photos_;
   mutable bool listed_ = false;
   mutable std::vector<Candidate> candidates_;
+  mutable std::filesystem::path barred_;  ///< the first folder at or below `photos_` that may not be read; or empty
   mutable std::map<std::filesystem::path, std::vector<Entry>> entries_;  ///< of folders that were listed
 };
 

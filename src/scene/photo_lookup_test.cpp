@@ -1,8 +1,11 @@
 #include "scene/photo_lookup.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
+
+#include "core/testing/error.h"
 
 namespace aligngs {
 namespace {
@@ -108,6 +111,35 @@ TEST_F(PhotoLookupTest, NamesOfWebAddressesAreFound) {
   EXPECT_EQ(found("file:///C:/capture/images/my%20K%c3%bcche.jpg"), "images/my K\u00fcche.jpg");
   file("images/50%20.jpg");
   EXPECT_EQ(found("50%20.jpg"), "images/50%20.jpg");  // the name as written goes first
+}
+
+/// The error of a search as somebody without the rights of root meets it; `barred` may not be read.
+std::string error_of_search(const char* barred, const std::string& name) {
+  const fs::path place = fs::temp_directory_path() / ("aligngs_barred_lookup_" + std::to_string(::getpid()));
+  fs::create_directories(place / "images" / "left");
+  std::ofstream(place / "images" / "left" / "0.jpg") << "x";
+  fs::permissions(place / barred, fs::perms::none);
+  constexpr uid_t kOther = 65534;
+  const bool root = ::geteuid() == 0;
+  EXPECT_TRUE(!root || ::seteuid(kOther) == 0);
+  const std::string message = error_of(ErrorKind::kBadInput, [&] { photos_of_data_set(place).find(name); });
+  EXPECT_TRUE(!root || ::seteuid(0) == 0);
+  fs::permissions(place / barred, fs::perms::owner_all);
+  fs::remove_all(place);
+  return message;
+}
+
+TEST_F(PhotoLookupTest, AFolderThatMayNotBeReadIsNamed) {
+  EXPECT_THAT(error_of_search("images", "left/0.jpg"), HasSubstr("images: this place may not be read: Permission"));
+}
+
+TEST_F(PhotoLookupTest, ASubfolderThatMayNotBeReadIsNamed) {
+  EXPECT_THAT(error_of_search("images/left", "left/0.jpg"), HasSubstr("left: this place may not be read: Permission"));
+}
+
+TEST_F(PhotoLookupTest, AnAbsoluteNameMeetsTheBarredSubfolderAsWell) {
+  EXPECT_THAT(error_of_search("images/left", "/home/somebody/images/left/0.jpg"),
+              HasSubstr("left: this place may not be read: Permission"));
 }
 
 }  // namespace

@@ -60,14 +60,16 @@ MapShape semantic_map_shape(const std::vector<int64_t>& shape, int classes, cons
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1]), static_cast<int>(sides[2])};
 }
 
-void require_same_aspect(const MapShape& shape, int image_width, int image_height, const std::filesystem::path& path,
-                         const char* field) {
+bool has_same_aspect(const MapShape& shape, int image_width, int image_height) {
   const double expected_height = static_cast<double>(shape.width) * image_height / image_width;
   const double expected_width = static_cast<double>(shape.height) * image_width / image_height;
   // One pixel of the map, plus rounding: sizes such as 518 x 389 for 640 x 480 are what networks deliver.
-  if (std::abs(expected_height - shape.height) <= 1.0 + 1e-9 || std::abs(expected_width - shape.width) <= 1.0 + 1e-9) {
-    return;
-  }
+  return std::abs(expected_height - shape.height) <= 1.0 + 1e-9 || std::abs(expected_width - shape.width) <= 1.0 + 1e-9;
+}
+
+void require_same_aspect(const MapShape& shape, int image_width, int image_height, const std::filesystem::path& path,
+                         const char* field) {
+  if (has_same_aspect(shape, image_width, image_height)) return;
   throw_bad_input(path, field,
                   std::to_string(shape.width) + " x " + std::to_string(shape.height) +
                       " has not the aspect of its image, " + std::to_string(image_width) + " x " +

@@ -24,7 +24,9 @@ ArrayHeader read_map_header(const std::filesystem::path& path);
 MapShape depth_map_shape(const std::vector<int64_t>& shape, const std::filesystem::path& path);
 /// [C, h, w], or [1, C, h, w]. A C that is not `classes` is an error that names both numbers.
 MapShape semantic_map_shape(const std::vector<int64_t>& shape, int classes, const std::filesystem::path& path);
-/// The aspect of the map must be the image's within one pixel of the map.
+/// Whether the aspect of the map is the image's within one pixel of the map.
+bool has_same_aspect(const MapShape& shape, int image_width, int image_height);
+/// Error{kBadInput} where it is not.
 void require_same_aspect(const MapShape& shape, int image_width, int image_height, const std::filesystem::path& path,
                          const char* field);
 

@@ -1,5 +1,7 @@
 #include "scene/import/capture_frames.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -10,6 +12,7 @@
 #include "core/error.h"
 #include "core/far_outliers.h"
 #include "core/letter_case.h"
+#include "io/file_system_error.h"
 #include "io/image_file.h"
 #include "io/text_encoding.h"
 #include "io/unicode_letters.h"
@@ -126,6 +129,23 @@ void leave_out_without_depth(Capture& capture) {
   std::erase_if(capture.frames, without);
 }
 
+/// Confidence that some frames have and others lack: low depth of the others is used.
+void note_missing_confidence(Capture& capture) {
+  size_t with = 0;
+  std::vector<std::string> without;
+  for (const CapturedFrame& frame : capture.frames) {
+    if (frame.depth.empty()) continue;
+    if (!frame.confidence.empty())
+      ++with;
+    else
+      without.push_back(frame.name);
+  }
+  if (with == 0 || without.empty()) return;
+  capture.notes.push_back(
+      fmt::format("{} of {} frames with depth have no confidence, and all of their depth is used: {}{}", without.size(),
+                  with + without.size(), without.front(), without.size() > 1 ? " and others" : ""));
+}
+
 void leave_out_far_cameras(Capture& capture) {
   std::vector<Vec3d> centres;
   for (const CapturedFrame& frame : capture.frames) centres.push_back(frame.world_to_camera.inverse().translation);
@@ -155,6 +175,8 @@ void set_intrinsics(CapturedFrame& frame, const Intrinsics& lens) {
   const ImageInfo info = read_image_info(frame.image);
   const int w = info.stored_width, h = info.stored_height;
   if (const std::string problem = misfit_of_intrinsics(lens.cx, lens.cy, w, h); !problem.empty()) {
+    if (info.orientation >= kFirstQuarterTurn && misfit_of_intrinsics(lens.cx, lens.cy, h, w).empty())
+      throw_bad_input(frame.image, "intrinsics", problem, kTurnedByExif);
     throw_bad_input(frame.image, "intrinsics", problem,
                     "the intrinsics are for other photos: scale them, or use the photos they belong to; cameras with "
                     "their size (transforms.json, COLMAP) may be of any kind");
@@ -162,29 +184,6 @@ void set_intrinsics(CapturedFrame& frame, const Intrinsics& lens) {
   frame.upright = false;
   frame.camera = pinhole_camera(lens.fx, lens.fy, lens.cx, lens.cy, w, h);
   lens_of(frame.camera, lens.file);
-}
-
-std::vector<fs::path> list_frame_photos(Capture& capture, const fs::path& folder,
-                                        const std::vector<std::string>& extensions) {
-  std::error_code error;
-  std::set<std::string> hidden;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_hidden(entry->path()) && has_picture_extension(entry->path()))
-      hidden.insert(as_utf8(entry->path().filename().string()));
-  }
-  for (const std::string& name : hidden) capture.left_out.push_back({name, "a hidden file is no photo", "remove it"});
-  return list_files(folder, extensions);
-}
-
-void note_poses_without_photo(Capture& capture, const fs::path& poses, const std::vector<fs::path>& photos,
-                              const char* ending) {
-  std::set<std::string> names;
-  for (const fs::path& photo : photos) names.insert(photo.stem().string());
-  for (const fs::path& pose : list_files(poses, {ending})) {
-    if (!names.count(pose.stem().string()))
-      capture.left_out.push_back(
-          {as_utf8(pose.stem().string()), "the photo is missing", "add the photo or remove its pose"});
-  }
 }
 
 fs::path folder_called(const fs::path& folder, const std::string& name) {
@@ -199,6 +198,7 @@ fs::path folder_called(const fs::path& folder, const std::string& name) {
 fs::path file_if_there(const fs::path& file) {
   std::error_code error;
   if (fs::is_regular_file(file, error)) return file;
+  if (error == std::errc::permission_denied) throw error_of(fs::filesystem_error("status", file, error));
   fs::path loud = file;
   loud.replace_extension(".PNG");
   return fs::is_regular_file(loud, error) ? loud : fs::path();
@@ -298,6 +298,7 @@ void finish_capture(Capture& capture) {
   note_no_depth(capture);
   leave_out_without_depth(capture);
   leave_out_eight_bits(capture);
+  note_missing_confidence(capture);
   require_enough(capture.folder, capture.frames.size(), capture.left_out, 1, false);
   if (capture.frames.empty())
     throw_bad_input(capture.folder, "frames", "no frame is listed, or no photo is there",

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "io/picture_format.h"
 #include "scene/import/capture.h"
 #include "scene/import/intrinsics.h"
 
@@ -13,6 +12,13 @@ namespace aligngs {
 
 /// Why depth is not used whose PNG has 8 bits: a picture of depth, which has no unit.
 inline constexpr const char* kDepthOfEightBits = "its depth has 8 bits, as pictures of depth have: it has no unit";
+
+/// EXIF orientations from here on turn a photo by a quarter.
+inline constexpr int kFirstQuarterTurn = 5;
+/// The remedy where depth or intrinsics fit such a photo only after its turn.
+inline constexpr const char* kTurnedByExif =
+    "the photo's EXIF orientation turns it by a quarter, and cameras and depth count for its stored pixels: store the "
+    "photos upright, without an EXIF orientation";
 
 /// Adds what `read` returns; what it throws as bad input leaves this frame out with a line.
 template <class Read>
@@ -29,21 +35,14 @@ void set_camera(CapturedFrame& frame, const ColmapCamera& camera, const std::fil
 /// for photos of another size or that were turned (intrinsics.h).
 void set_intrinsics(CapturedFrame& frame, const Intrinsics& lens);
 
-/// The photos of a folder in natural order; hidden ones are left out with a line.
-std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std::filesystem::path& folder,
-                                                     const std::vector<std::string>& extensions = picture_extensions());
-
-/// Lists the poses of a folder (NAME.txt, or another ending) whose photo is missing.
-void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses,
-                              const std::vector<std::filesystem::path>& photos, const char* ending = ".txt");
-
 /// "3 points without a usable position ..."
 std::string note_of_unusable_points(size_t count);
 
 /// The folder of this name in a folder, in small letters or in others ("Depth"); with this name where there is none.
 std::filesystem::path folder_called(const std::filesystem::path& folder, const std::string& name);
 
-/// The PNG when it is there, else the same that ends in .PNG; empty where there is neither.
+/// The PNG when it is there, else the same that ends in .PNG; empty where there is neither. Error{kBadInput} where its
+/// folder may not be entered.
 std::filesystem::path file_if_there(const std::filesystem::path& file);
 
 /// Sets the depth when the file is there.

@@ -125,10 +125,10 @@ void require_enough_to_train(const Capture& capture, const ImportOptions& option
   if (names_lost_frames && options.views == 0 && options.stride == 0)
     require_enough(capture.folder, all, capture.left_out, all + 1, false);
   const CauseOfTraining cause = cause_of_training(capture, options, split.test);
-  throw_bad_input(capture.folder, cause.option,
-                  fmt::format("this leaves {} of {} frames for training, and {} are needed", kept, all,
-                              kFewestTrainingViews),
-                  cause.remedy);
+  throw_bad_input(
+      capture.folder, cause.option,
+      fmt::format("this leaves {} of {} frames for training, and {} are needed", kept, all, kFewestTrainingViews),
+      cause.remedy);
 }
 
 /// The frames that are named for both. They train.

@@ -97,9 +97,9 @@ TEST_F(SplitOfCapture, TwoViewsMustBeLeftForTraining) {
 TEST_F(SplitOfCapture, AStrideThatLeavesOneViewIsRefusedWithTheLargestThatLeavesTwo) {
   ImportOptions options;
   options.stride = 100;
-  EXPECT_THAT(error_of(ErrorKind::kBadInput, [&] { split(options); }),
-              AllOf(HasSubstr("--stride 100: this leaves 1 of 10 frames for training"),
-                    HasSubstr("use --stride 9 or less")));
+  EXPECT_THAT(
+      error_of(ErrorKind::kBadInput, [&] { split(options); }),
+      AllOf(HasSubstr("--stride 100: this leaves 1 of 10 frames for training"), HasSubstr("use --stride 9 or less")));
 }
 
 TEST_F(SplitOfCapture, TheRemedyOfAStrideCountsTestViews) {

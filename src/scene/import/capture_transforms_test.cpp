@@ -263,8 +263,8 @@ TEST_F(TransformsTest, AnEntryOfAMatrixThatIsNoNumberIsNamed) {
       read("", "", matrix);
       ADD_FAILURE() << entry;
     } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr(std::string("frames[0].transform_matrix[1][2]: expected a number, found ") +
-                                          entry));
+      EXPECT_THAT(error.what(),
+                  HasSubstr(std::string("frames[0].transform_matrix[1][2]: expected a number, found ") + entry));
     }
   }
 }

@@ -35,9 +35,7 @@ TEST(JsonNumber, TheMessageShowsTheValue) {
   EXPECT_EQ(no_number(NumberJson(nullptr)), "expected a number, found null");
 }
 
-TEST(JsonNumber, TheMessageCutsALongValue) {
-  EXPECT_LT(no_number(NumberJson(std::string(1000, 'a'))).size(), 100u);
-}
+TEST(JsonNumber, TheMessageCutsALongValue) { EXPECT_LT(no_number(NumberJson(std::string(1000, 'a'))).size(), 100u); }
 
 }  // namespace
 }  // namespace aligngs

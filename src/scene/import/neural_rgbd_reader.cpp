@@ -8,6 +8,7 @@
 #include "io/image_file.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/frame_photos.h"
 
 namespace aligngs {
 

@@ -12,12 +12,14 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/file_system_error.h"
 #include "io/foreign_content.h"
 #include "io/image_limits.h"
 #include "io/json_text.h"
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/frame_photos.h"
 #include "scene/import/json_number.h"
 
 namespace aligngs {
@@ -33,12 +35,12 @@ Json read_frame_json(const fs::path& file) {
   const std::string content = read_file(file);
   Json document = parse_json(text_of_file(content, file));
   if (document.is_discarded()) refuse_foreign_content(content, file);
-  if (!document.is_object())
-    throw_bad_input(file, "", "this is no JSON object", kBadFrame);
+  if (!document.is_object()) throw_bad_input(file, "", "this is no JSON object", kBadFrame);
   return document;
 }
 
-/// NaN for the words "NaN" and "Infinity", as in a pose of lost tracking. Error{kBadInput} naming `field` for other values.
+/// NaN for the words "NaN" and "Infinity", as in a pose of lost tracking. Error{kBadInput} naming `field` for other
+/// values.
 double number_in(const Json& value, const std::string& field, const fs::path& file) {
   if (value.is_number()) return value.get<double>();
   if (!is_number_of_json(value) || std::isfinite(number_of_json(value)))
@@ -80,8 +82,10 @@ Capture arkit_capture(const fs::path& folder) {
   return capture;
 }
 
-/// The corrected folder where it holds something.
+/// The corrected folder where it holds something. Error{kBadInput} where it may not be read.
 fs::path better_of(const fs::path& corrected, const fs::path& plain, const std::vector<std::string>& extensions) {
+  std::error_code error;
+  if (fs::is_directory(corrected, error)) require_readable_folder(corrected, {});
   return list_files(corrected, extensions).empty() ? plain : corrected;
 }
 

@@ -37,9 +37,8 @@ class PhoneReader : public testing::Test {
   /// The same camera in 3D Scanner App's files; `first`: the first entry of its matrix.
   void scanner_frame(const std::string& number, const std::string& first = "1") const {
     write_jpeg(folder / ("frame_" + number + ".jpg"), Image<uint8_t>(40, 30, 3, 90));
-    write("frame_" + number + ".json",
-          R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [)" + first +
-              ", 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]}");
+    write("frame_" + number + ".json", R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [)" +
+                                           first + ", 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]}");
   }
   fs::path folder;
 };
@@ -172,6 +171,35 @@ TEST_F(PhoneReader, PolycamCamerasWithoutTheirPhotoAreListed) {
   ASSERT_EQ(capture.left_out.size(), 1u);
   EXPECT_EQ(capture.left_out[0].name, "200");
   EXPECT_EQ(capture.left_out[0].reason, "the photo is missing");
+}
+
+TEST_F(PhoneReader, FramesWithoutConfidenceAreCountedWhereOthersHaveOne) {
+  for (const char* number : {"00000", "00001", "00002"}) {
+    scanner_frame(number);
+    write_png16(folder / (std::string("depth_") + number + ".png"), Image<uint16_t>(40, 30, 1, 1500));
+  }
+  write_png(folder / "conf_00001.png", Image<uint8_t>(40, 30, 1, 2));
+  EXPECT_THAT(read_capture(folder).notes,
+              testing::ElementsAre(HasSubstr("2 of 3 frames with depth have no confidence")));
+}
+
+TEST_F(PhoneReader, PolycamFramesWithoutConfidenceAreCounted) {
+  for (const char* maps : {"depth", "confidence"}) fs::create_directories(folder / "keyframes" / maps);
+  for (const char* name : {"100", "200"}) {
+    polycam_frame(name);
+    write_png16(folder / "keyframes" / "depth" / (std::string(name) + ".png"), Image<uint16_t>(40, 30, 1, 1500));
+  }
+  write_png(folder / "keyframes" / "confidence" / "100.png", Image<uint8_t>(40, 30, 1, 255));
+  EXPECT_THAT(read_capture(folder).notes, Contains(HasSubstr("1 of 2 frames with depth have no confidence, and all of "
+                                                             "their depth is used: 200")));
+}
+
+TEST_F(PhoneReader, ACaptureWithoutAnyConfidenceGivesNoLine) {
+  for (const char* number : {"00000", "00001"}) {
+    scanner_frame(number);
+    write_png16(folder / (std::string("depth_") + number + ".png"), Image<uint16_t>(40, 30, 1, 1500));
+  }
+  EXPECT_THAT(read_capture(folder).notes, testing::IsEmpty());
 }
 
 TEST_F(PhoneReader, AConfidenceThatTrustsNothingIsNamed) {

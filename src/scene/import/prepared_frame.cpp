@@ -1,5 +1,7 @@
 #include "scene/import/prepared_frame.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 
@@ -39,7 +41,19 @@ Image<uint8_t> with_mask(const Image<uint8_t>& image, const fs::path& file, cons
 /// Whether the photo lost detail when it was stored, so that its copy may as well. PNG is as it was taken.
 bool is_lossy(const fs::path& file) { return file.extension() != ".png" && file.extension() != ".PNG"; }
 
+/// Whether depth fits the photo only after the turn that its EXIF orientation asks for, and which is not done.
+bool is_turned_by_exif(const CapturedFrame& frame, const ImageF& depth, const Camera& camera) {
+  if (frame.upright || has_same_aspect({1, depth.height, depth.width}, camera.width, camera.height)) return false;
+  return has_same_aspect({1, depth.width, depth.height}, camera.width, camera.height) &&
+         read_image_info(frame.image).orientation >= kFirstQuarterTurn;
+}
+
 void require_usable_depth(const CapturedFrame& frame, const ImageF& depth, const Camera& camera) {
+  if (is_turned_by_exif(frame, depth, camera))
+    throw_bad_input(frame.depth, "size",
+                    fmt::format("{} x {} has not the aspect of its image, {} x {}, as stored", depth.width,
+                                depth.height, camera.width, camera.height),
+                    kTurnedByExif);
   require_same_aspect({1, depth.height, depth.width}, camera.width, camera.height, frame.depth, "size");
   if (std::none_of(depth.data.begin(), depth.data.end(), [](float z) { return z > 0; })) {
     throw_bad_input(frame.depth, "values", "no pixel has a depth", "leave this frame out");

@@ -14,6 +14,7 @@
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/frame_photos.h"
 
 namespace aligngs {
 

@@ -1,7 +1,8 @@
 // A plain RGB-D folder with registered depth:
 //   images/NAME.jpg|png   depth/NAME.png (uint16 mm)   poses/NAME.txt (4x4 camera-to-world, OpenCV axes)
 //   intrinsics.txt (3x3)  train.txt, test.txt (frame names; optional)   reference_mesh.ply (optional)
-// and the 7-Scenes form: [seq-*/]frame-NNNNNN.{color.png|jpg,depth.png,pose.txt}.
+// Photos may lie in subfolders: images/left/NAME.jpg has depth/left/NAME.png and poses/left/NAME.txt.
+// The 7-Scenes form is read as well: [seq-*/]frame-NNNNNN.{color.png|jpg,depth.png,pose.txt}.
 #include <algorithm>
 #include <set>
 
@@ -9,6 +10,7 @@
 #include "io/text_encoding.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/frame_photos.h"
 #include "scene/import/intrinsics.h"
 #include "scene/import/unknown_layout.h"
 #include "scene/photo_lookup.h"
@@ -85,14 +87,14 @@ Capture read_rgbd_folder(const fs::path& folder, const CaptureOptions&) {
   capture.folder = folder;
   capture.metric = true;
   const Intrinsics k = read_intrinsics(folder / "intrinsics.txt");
-  const std::vector<fs::path> photos = list_frame_photos(capture, folder / "images");
+  const std::vector<FileBelow> photos = list_photos_below(capture, folder / "images");
   note_poses_without_photo(capture, folder / "poses", photos);
   const fs::path depths = folder_called(folder, "depth");
   capture.depth_files = depths.filename().string() + "/NAME.png";
-  for (const fs::path& image : photos) {
-    const std::string name = image.stem().string();
-    add_frame(capture, name, [&] {
-      return posed_frame(name, image, depths / (name + ".png"), numbers_file(folder / "poses" / name), k);
+  for (const FileBelow& photo : photos) {
+    add_frame(capture, photo.name, [&] {
+      return posed_frame(photo.name, photo.file, depths / (photo.name + ".png"),
+                         numbers_file(folder / "poses" / photo.name), k);
     });
   }
   capture.train = read_names(folder / "train.txt");

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/frame_photos.h"
 #include "scene/import/intrinsics.h"
 
 namespace aligngs {
