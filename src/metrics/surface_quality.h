@@ -62,7 +62,8 @@ struct SurfaceQualityInput {
 
 /// Normal error: area-uniform samples of the predicted faces that are first hits of some ray of `cameras` (320
 /// columns). Each is compared with the nearest point of the true mesh within `reach`; the sign of normals does not
-/// count. Roughness: edges of those faces whose midpoint is within `reach` of planar truth. Pinholes: area-uniform
+/// count. Roughness: edges of those faces whose midpoint is within `reach` of planar truth. Both depend on how a surface
+/// is cut into triangles: small faces lie between rays, and edges inside a flat part count as 0. Pinholes: area-uniform
 /// samples of the true surface, averaged over those that some view sees. The value is the share of views whose ray
 /// meets no predicted surface up to `pass_depth` behind the sample. Views are training views that see it away from
 /// contours. An empty prediction has no angles (NaN) and pinholes of 1.
