@@ -13,6 +13,7 @@
 #include "nn/weights.h"
 #include "priors/camera_teacher.h"
 #include "priors/teacher_list.h"
+#include "priors/test_photos.h"
 #include "scene/depth_cloud.h"
 #include "scene/photo_mask.h"
 #include "scene/scene_writer.h"
@@ -76,6 +77,7 @@ PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<P
 
 void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,
                       const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
+  if (!photos.empty()) require_training_photos(photos.front().file.parent_path(), photos.size(), options.test_every);
   const PublishedModel& model = published_model(options.model);
   const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
   const Teacher* const teacher = find_camera_teacher(options.model);

@@ -11,14 +11,10 @@
 
 namespace aligngs {
 
-/// Every n-th photo is kept for testing, from the first on; 0: none.
-inline bool is_test_photo(size_t index, int test_every) {
-  return test_every > 0 && index % static_cast<size_t>(test_every) == 0;
-}
-
 /// Writes the scene of `photos` with the network of options.model, and adds to the report. With Depth Anything 3 a second
 /// network tells metres where it is installed. Error{kWeights} without the weights, Error{kResources} where memory is
-/// too small, Error{kFailed} where no point is left of the depth.
+/// too small, Error{kFailed} where no point is left of the depth. Error{kBadInput} where options.test_every leaves too
+/// few photos for training.
 void scene_by_network(const std::vector<Photo>& photos, const std::filesystem::path& scene, const ModelStore& store,
                       const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report);
 

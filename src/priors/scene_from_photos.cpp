@@ -14,6 +14,7 @@
 #include "priors/given_poses.h"
 #include "priors/scene_by_network.h"
 #include "priors/teacher_list.h"
+#include "priors/test_photos.h"
 #include "priors/video_frames.h"
 #include "priors/work_folder.h"
 #include "scene/import/import_capture.h"
@@ -77,6 +78,7 @@ void import_photos(const Capture& capture, const fs::path& source, const fs::pat
   import.progress = options.progress;
   const bool own_split = options.test_every <= 0 && !(capture.train.empty() && capture.test.empty());
   if (!own_split) {
+    require_training_photos(source, capture.frames.size(), options.test_every);
     for (size_t i = 0; i < capture.frames.size(); ++i) {
       (is_test_photo(i, options.test_every) ? import.test_names : import.train_names).push_back(capture.frames[i].name);
     }
@@ -202,6 +204,7 @@ CheckedPhotos check_folder(const fs::path& folder, const fs::path& source, const
                     fmt::format("take at least {}, or use --method {}", kFewestPlaced, camera_method_words(" or ")));
   }
   require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict && !given, "photos");
+  if (!given) require_training_photos(source, listed.photos.size(), options.test_every);
   return checked;
 }
 

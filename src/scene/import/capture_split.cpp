@@ -114,7 +114,7 @@ CauseOfTraining cause_of_training(const Capture& capture, const ImportOptions& o
   if (names_test) return {"--test", "name fewer frames"};
   const bool own_train = options.views == 0 && options.stride == 0 && !capture.train.empty();
   return {own_train ? "the training list of the capture" : "the test list of the capture",
-          "correct the list, or give other names with --train"};
+          "correct the list, or name frames with --train of `aligngs import`"};
 }
 
 /// Error{kBadInput} where options or lists leave too few of more frames. A single frame trains alone.
