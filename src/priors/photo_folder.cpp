@@ -109,6 +109,7 @@ PhotoList listed_photos(const fs::path& given, bool with_hidden) {
   require_readable_folder(given, "give the folder that holds the photos");
   PhotoList list;
   list.folder = folder_with_photos(given);
+  require_readable_folder(list.folder, "give the folder that holds the photos");
   std::string unread;
   for (const fs::path& file : list_files(list.folder, kUnread)) unread += " " + as_utf8(file.filename().string());
   std::error_code error;

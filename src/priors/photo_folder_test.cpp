@@ -1,6 +1,7 @@
 #include "priors/photo_folder.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -249,6 +250,23 @@ TEST_F(PhotoFolder, WhoFindsCamerasDoesNotSeeAPhotoThatIsLeftOut) {
   ThreadPool pool(1);
   prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool, left_out);
   EXPECT_FALSE(fs::exists(folder / "work" / "images" / "b.jpg"));
+}
+
+/// As somebody without the rights of root meets it.
+TEST_F(PhotoFolder, AFolderOfPhotosThatMayNotBeReadIsNamed) {
+  folder = fs::temp_directory_path() / ("aligngs_barred_list_" + std::to_string(::getpid()));
+  const fs::path images = folder / "images";
+  fs::create_directories(images);
+  write_jpeg(images / "a.jpg", picture(64, 48));
+  fs::permissions(images, fs::perms::none);
+  constexpr uid_t kStranger = 65534;
+  const bool root = ::geteuid() == 0;
+  EXPECT_TRUE(!root || ::seteuid(kStranger) == 0);
+  const std::string message = error_of_list();
+  EXPECT_TRUE(!root || ::seteuid(0) == 0);
+  fs::permissions(images, fs::perms::owner_all);
+  fs::remove_all(folder);
+  EXPECT_THAT(message, testing::HasSubstr("images: this place may not be read: Permission denied"));
 }
 
 }  // namespace
