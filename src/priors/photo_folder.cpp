@@ -33,8 +33,8 @@ fs::path folder_with_photos(const fs::path& folder) {
   return fs::is_directory(inner) ? inner : folder;
 }
 
-/// The pictures of a folder, else those of its subfolders.
-std::vector<fs::path> pictures_of(const fs::path& folder) {
+/// The pictures of a folder, else those of its subfolders. `barred` gets the subfolders that may not be read.
+std::vector<fs::path> pictures_of(const fs::path& folder, std::vector<LeftOut>& barred) {
   std::vector<fs::path> files = list_files(folder, picture_extensions());
   if (!files.empty()) return files;
   std::error_code error;
@@ -44,6 +44,9 @@ std::vector<fs::path> pictures_of(const fs::path& folder) {
       if (entry->is_directory(error)) entry.disable_recursion_pending();
     } else if (entry->is_regular_file(error) && has_picture_extension(entry->path())) {
       files.push_back(entry->path());
+    } else if (std::error_code unknown; entry->is_directory(unknown) && !entry->is_symlink(unknown)) {
+      const std::string name = entry->path().lexically_relative(folder).generic_string();
+      use_or_leave_out(name, barred, [&] { require_readable_folder(entry->path(), {}); });
     }
   }
   std::sort(files.begin(), files.end(),
@@ -100,7 +103,8 @@ void prepare_mask(const fs::path& mask, const Photo& photo, const Photo& prepare
 }  // namespace
 
 bool has_photos(const fs::path& folder) {
-  return fs::is_directory(folder) && !pictures_of(folder_with_photos(folder)).empty();
+  std::vector<LeftOut> barred;
+  return fs::is_directory(folder) && !pictures_of(folder_with_photos(folder), barred).empty();
 }
 
 namespace {
@@ -118,7 +122,8 @@ PhotoList listed_photos(const fs::path& given, bool with_hidden) {
     list.left_out.push_back({as_utf8(entry->path().filename().string()), "a hidden file is no photo", "remove it"});
   }
   const size_t hidden = list.left_out.size();
-  const std::vector<fs::path> files = pictures_of(list.folder);
+  const std::vector<fs::path> files = pictures_of(list.folder, list.left_out);
+  const bool barred = list.left_out.size() > hidden;
   std::map<std::string, fs::path> names;
   for (const fs::path& file : files) {
     const std::string name = view_name_of(file.lexically_relative(list.folder).generic_string());
@@ -139,7 +144,8 @@ PhotoList listed_photos(const fs::path& given, bool with_hidden) {
     return list;
   }
   refuse_run_folder(given, given);
-  if (!files.empty()) require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");
+  if (!files.empty() || barred)
+    require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");
   throw_bad_input(
       list.folder, "",
       list.photos.empty() ? "there is no photo here (JPEG, PNG, WebP or HEIC)" : "one photo is not enough",

@@ -252,21 +252,32 @@ TEST_F(PhotoFolder, WhoFindsCamerasDoesNotSeeAPhotoThatIsLeftOut) {
   EXPECT_FALSE(fs::exists(folder / "work" / "images" / "b.jpg"));
 }
 
-/// As somebody without the rights of root meets it.
-TEST_F(PhotoFolder, AFolderOfPhotosThatMayNotBeReadIsNamed) {
-  folder = fs::temp_directory_path() / ("aligngs_barred_list_" + std::to_string(::getpid()));
-  const fs::path images = folder / "images";
-  fs::create_directories(images);
-  write_jpeg(images / "a.jpg", picture(64, 48));
-  fs::permissions(images, fs::perms::none);
-  constexpr uid_t kStranger = 65534;
-  const bool root = ::geteuid() == 0;
-  EXPECT_TRUE(!root || ::seteuid(kStranger) == 0);
-  const std::string message = error_of_list();
-  EXPECT_TRUE(!root || ::seteuid(0) == 0);
-  fs::permissions(images, fs::perms::owner_all);
-  fs::remove_all(folder);
-  EXPECT_THAT(message, testing::HasSubstr("images: this place may not be read: Permission denied"));
+/// The error of a list where its folder of photos may not be read, as somebody without the rights of root meets it.
+class BarredList : public PhotoFolder {
+ protected:
+  std::string error_with(const fs::path& photos) {
+    folder = fs::temp_directory_path() / ("aligngs_barred_list_" + std::to_string(::getpid()));
+    const fs::path barred = folder / photos;
+    fs::create_directories(barred);
+    write_jpeg(barred / "a.jpg", picture(64, 48));
+    fs::permissions(barred, fs::perms::none);
+    constexpr uid_t kStranger = 65534;
+    const bool root = ::geteuid() == 0;
+    EXPECT_TRUE(!root || ::seteuid(kStranger) == 0);
+    const std::string message = error_of_list();
+    EXPECT_TRUE(!root || ::seteuid(0) == 0);
+    fs::permissions(barred, fs::perms::owner_all);
+    fs::remove_all(folder);
+    return message;
+  }
+};
+
+TEST_F(BarredList, AFolderOfPhotosThatMayNotBeReadIsNamed) {
+  EXPECT_THAT(error_with("images"), testing::HasSubstr("images: this place may not be read: Permission denied"));
+}
+
+TEST_F(BarredList, ASubfolderThatMayNotBeReadIsNamed) {
+  EXPECT_THAT(error_with("left"), testing::HasSubstr("left: this place may not be read: Permission denied"));
 }
 
 }  // namespace

@@ -65,9 +65,10 @@ void check_confidence_header(const Scene& scene, const View& view) {
                       "shape");
 }
 
-/// Views without a map are left out when most training views have it; a map that few have is of no use.
+/// Views without a map are left out when most training views have it. `few`: what happens to maps that few have.
 template <class HasMap>
-void check_presence(const Scene& scene, HasMap has_map, const char* folder, std::vector<SceneProblem>& problems) {
+void check_presence(const Scene& scene, HasMap has_map, const char* folder, std::vector<SceneProblem>& problems,
+                    const char* few = "none is used") {
   const auto has = [&](int i) { return has_map(scene.views[i]); };
   const size_t present = static_cast<size_t>(std::count_if(scene.train.begin(), scene.train.end(), has)),
                all = scene.train.size();
@@ -75,7 +76,7 @@ void check_presence(const Scene& scene, HasMap has_map, const char* folder, std:
   if (2 * present < all) {
     problems.push_back(
         {scene.folder / folder, "map",
-         "only " + std::to_string(present) + " of " + std::to_string(all) + " training views have one: none is used",
+         "only " + std::to_string(present) + " of " + std::to_string(all) + " training views have one: " + few,
          "make the map for every training view", false});
     return;
   }
@@ -120,7 +121,7 @@ std::vector<SceneProblem> check_headers(const Scene& scene) {
       scene, [](const View& view) { return !view.semantics.empty(); }, "segmentation_logits", problems);
   check_presence(
       scene, [&](const View& view) { return std::filesystem::exists(confidence_of(scene, view)); }, "pred_confidence",
-      problems);
+      problems, "all depth of the others is used");
   check_segment_presence(scene, problems);
   return problems;
 }

@@ -171,6 +171,18 @@ TEST(CheckScene, ConfidenceOfNothingIsAWarning) {
   EXPECT_NE(problems[0].message.find("confidence"), std::string::npos);
 }
 
+TEST(CheckScene, ConfidenceOfFewViewsIsUsedWithAWarning) {
+  const fs::path folder = write_scene();
+  write_text(folder / "split.json", R"({"train": ["v0", "v1", "v2"], "test": []})");
+  fs::create_directories(folder / "pred_confidence");
+  const std::vector<float> sure(size_t(kWidth) * kHeight, 1.0f);
+  write_npy_float32(folder / "pred_confidence" / "v1.npy", {kHeight, kWidth}, sure.data());
+  const auto problems = of_file(problems_of(folder), "pred_confidence");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+  EXPECT_EQ(problems[0].message, "only 1 of 3 training views have one: all depth of the others is used");
+}
+
 TEST(CheckScene, DepthInMillimetresIsAWarning) {
   const fs::path folder = write_scene();
   write_depth(folder, "v1", [](float z) { return 1000 * z; });
