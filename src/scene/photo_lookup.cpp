@@ -231,6 +231,7 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
   listed_ = true;
   std::error_code error;
   if (fs::is_directory(photos_, error) && !is_readable(photos_)) barred_ = photos_;
+  error.clear();
   fs::recursive_directory_iterator entry(photos_, fs::directory_options::skip_permission_denied, error);
   for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
@@ -238,7 +239,8 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
       if (entry->is_directory(error)) entry.disable_recursion_pending();
       continue;
     }
-    if (barred_.empty() && entry->is_directory(error) && !is_readable(file)) barred_ = file;
+    std::error_code unknown;  // of a link to itself, which is no reason to stop
+    if (barred_.empty() && entry->is_directory(unknown) && !is_readable(file)) barred_ = file;
     if (!has_picture_extension(file) || !is_file(file)) continue;
     Candidate candidate{file, {}, {}};
     for (const fs::path& part : file.lexically_relative(photos_)) candidate.parts.push_back(as_utf8(part.string()));
