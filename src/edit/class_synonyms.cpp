@@ -42,7 +42,7 @@ constexpr ClassSynonyms kSynonyms[] = {
     {"field", "meadow;pasture;farmland;cropland;paddock"},
     {"armchair",
      "easy chair;lounge chair;wing chair;recliner;club chair;wingback chair;reading chair;arm chair;accent chair"},
-    {"seat", "seating;place to sit;row of seats;bench seat;theater seat"},
+    {"seat", "seat row;place to sit;row of seats;bench seat;theater seat"},
     {"fence", "paling;picket fence;hedge fence;barrier;wire fence"},
     {"desk",
      "writing desk;writing table;computer desk;work desk;workstation;office desk;work table;study desk;"

@@ -103,6 +103,7 @@ class MeantObjects {
     std::vector<size_t> found = candidates_of(term);
     if (term.narrow != NarrowPlace::kNone) found = of_narrow_name(objects_, relations_, found, term.narrow);
     std::vector<Related> related;
+    if (term.relation && term.relation->also) found = in_first_place(term, found);
     if (term.relation) {
       const Anchors anchors = anchors_of(*term.relation);
       related = related_of(term, found, anchors);
@@ -121,6 +122,15 @@ class MeantObjects {
     if (term.count == 1 && term.relation && is_distance(term.relation->relation))
       return {clearly_nearest(objects_, std::move(related), words(term))};
     if (term.count > 0 && found.size() != static_cast<size_t>(term.count)) refuse_count(term, found);
+    return found;
+  }
+
+  /// "On the wall above the bed": those of the candidates that are on the wall.
+  std::vector<size_t> in_first_place(const SelectionTerm& term, const std::vector<size_t>& candidates) const {
+    SelectionTerm first = term;
+    first.relation = term.relation->also;
+    std::vector<size_t> found;
+    for (const Related& r : related_of(first, candidates, anchors_of(*first.relation))) found.push_back(r.object);
     return found;
   }
 

@@ -93,6 +93,61 @@ TEST_F(MeantObjectsTest, WallsAndFloor) {
   EXPECT_EQ(meant("all lamps on the floor"), "lamp#2");
 }
 
+TEST_F(MeantObjectsTest, FurnitureStandsWhereItsFootIsNotSeen) {
+  put("wardrobe", {-2.0f, -2.0f, 3.4f}, {-1.6f, -0.16f, 3.98f});
+  EXPECT_EQ(meant("everything on the wall"), "painting#1");
+  EXPECT_EQ(meant("all wardrobes on the floor"), "wardrobe#1");
+}
+
+TEST_F(MeantObjectsTest, ABoxOnAWardrobeHangsOnNoWall) {
+  put("wardrobe", {-2.0f, -2.0f, 3.4f}, {-1.6f, 0, 3.98f});
+  put("box", {-1.95f, -2.3f, 3.5f}, {-1.65f, -2.0f, 3.97f});
+  EXPECT_EQ(meant("everything on the wall"), "painting#1");
+}
+
+TEST_F(MeantObjectsTest, ACabinetOnTheWallHangs) {
+  put("cabinet", {-0.3f, -1.9f, 3.6f}, {0.3f, -1.4f, 3.98f});
+  EXPECT_EQ(meant("everything on the wall"), "cabinet#1, painting#1");
+}
+
+TEST_F(MeantObjectsTest, APlantStandsInItsPot) {
+  put("pot", {1.7f, -0.4f, 3.6f}, {1.95f, 0, 3.9f});
+  put("plant", {1.65f, -1.2f, 3.55f}, {1.95f, -0.42f, 3.95f});
+  EXPECT_EQ(meant("everything on the wall"), "painting#1");
+  EXPECT_EQ(meant("all plants on the floor"), "plant#1");
+}
+
+TEST_F(MeantObjectsTest, OnTheTopOfAWardrobeIsNotInIt) {
+  put("wardrobe", {-2.0f, -2.0f, 3.4f}, {-1.6f, 0, 3.98f});
+  put("box", {-1.95f, -2.3f, 3.5f}, {-1.65f, -2.0f, 3.9f});
+  EXPECT_EQ(meant("the box on the wardrobe"), "box#1");
+  EXPECT_THAT(refusal("the box in the wardrobe"), HasSubstr("no object is \"box in wardrobe\""));
+  EXPECT_THAT(refusal("the contents of the wardrobe"), HasSubstr("no object is"));
+}
+
+TEST_F(MeantObjectsTest, WhatAThingOwnsIsAlsoOnItsTop) {
+  EXPECT_EQ(meant("the dresser's lamp"), "lamp#1");
+  EXPECT_EQ(meant("the lamp of the chest of drawers"), "lamp#1");
+}
+
+TEST_F(MeantObjectsTest, SeatingIsAGroup) {
+  put("sofa", {-0.3f, -0.8f, 1.0f}, {0.4f, 0, 1.6f});
+  EXPECT_EQ(meant("all seating"), "chair, sofa");
+}
+
+TEST_F(MeantObjectsTest, APlaceAfterTheWallIsThatOfTheThings) {
+  put("painting", {0.7f, -1.8f, 3.92f}, {1.3f, -1.3f, 3.98f}, 2);
+  EXPECT_EQ(meant("the paintings on the wall above bed#2"), "painting#2");
+  EXPECT_EQ(meant("everything on the wall above bed#1"), "painting#1");
+  EXPECT_EQ(meant("all lamps on the floor next to chair#1"), "lamp#2");
+  EXPECT_EQ(meant("the paintings on the wall not above bed#2"), "painting#1");
+  EXPECT_THAT(refusal("the lamp on the wall above bed#1"), HasSubstr("no object is \"lamp on wall\""));
+}
+
+TEST_F(MeantObjectsTest, NotOnAWallInAPlaceHasTwoReadings) {
+  EXPECT_THAT(refusal("the paintings not on the wall above bed#1"), HasSubstr("two readings"));
+}
+
 TEST_F(MeantObjectsTest, SidesAreThoseOfTheCameras) {
   EXPECT_EQ(meant("the bed to the left of the chest of drawers"), "bed#1");
   EXPECT_EQ(meant("the bed right of the chest of drawers"), "bed#2");

@@ -58,10 +58,11 @@ void leave_out_room(std::string& text) {
 /// "The bed's pillows", and "the pillows of the bed".
 void say_owner_last(std::string& text, const Vocabulary& vocabulary) {
   constexpr std::string_view kOwns = "'s ", kOf = " of ";
+  const std::string belongs = " belonging to ";
   if (const size_t at = text.find(kOwns); at != std::string::npos) {
     const std::string owner = text.substr(0, std::min(at, text.find('#')));
     if (vocabulary.find(noun_of(owner, vocabulary)))
-      text = "the " + text.substr(at + kOwns.size()) + " in " + text.substr(0, at);
+      text = "the " + text.substr(at + kOwns.size()) + belongs + text.substr(0, at);
     return;
   }
   for (size_t at = text.find(kOf); at != std::string::npos; at = text.find(kOf, at + 1)) {
@@ -69,7 +70,7 @@ void say_owner_last(std::string& text, const Vocabulary& vocabulary) {
     const bool is_one = begins_with_article(owner) && vocabulary.find(noun_of(owner, vocabulary)).has_value();
     if (!is_one || !vocabulary.find(noun_of(thing, vocabulary)) || vocabulary.find(text)) continue;
     if (vocabulary.is_plural(owner) || is_adjective_alone(thing, vocabulary)) continue;
-    text = thing + " in " + owner;
+    text = thing + belongs + owner;
     return;
   }
 }

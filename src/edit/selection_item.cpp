@@ -135,10 +135,39 @@ bool parse_anchor(std::string_view anchor, Relation relation, const Vocabulary& 
   return any || begins_with_quantifier(name) || vocabulary.is_plural(name) || anchors.size() > 1;
 }
 
+/// "On the wall above the bed" in its two places. A wall is one object, so that both are places of the thing on it.
+struct ShellPlace {
+  std::string on;            ///< "on the wall"
+  std::string_view further;  ///< "above the bed"
+  bool negated = false;      ///< "not above the bed"
+};
+
+std::optional<ShellPlace> parted_at_shell(std::string_view place, const FoundRelation& found,
+                                          const Vocabulary& vocabulary) {
+  const Relation relation = found.relation;
+  if (relation != Relation::kOn && relation != Relation::kNextTo && relation != Relation::kNear) return std::nullopt;
+  const auto inner = related_item(place.substr(found.length), vocabulary);
+  if (!inner || inner->side != ObjectChoice::kNone || !inner->row.empty()) return std::nullopt;
+  const auto label = vocabulary.find(noun_of(inner->target, vocabulary));
+  if (!label || is_of_group(vocabulary.labels(), *label, ClassGroup::kThings)) return std::nullopt;
+  const std::string on = std::string(place.substr(0, found.length)) + " " + std::string(inner->target);
+  return ShellPlace{on, inner->place, inner->negated};
+}
+
 /// The place of a term, from its words: "on the largest bed".
 std::shared_ptr<const RelatedTo> place_of(std::string_view place, bool negated, const Vocabulary& vocabulary,
                                           int depth) {
   const auto found = find_relation(place, true);
+  if (const auto parted = parted_at_shell(place, *found, vocabulary)) {
+    const std::string further(parted->further);
+    if (negated)
+      throw_usage("\"not " + std::string(place) + "\" has two readings",
+                  "did you mean \"not " + parted->on + "\" or \"not " + further + "\"?");
+    RelatedTo both = *place_of(further, parted->negated, vocabulary, depth);
+    if (both.also) throw_usage("\"" + std::string(place) + "\" tells too many places", "say it in fewer words");
+    both.also = place_of(parted->on, false, vocabulary, depth);
+    return std::make_shared<const RelatedTo>(std::move(both));
+  }
   RelatedTo related;
   related.negated = negated;
   related.relation = found->relation;

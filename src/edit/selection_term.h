@@ -46,6 +46,8 @@ struct RelatedTo {
   std::vector<SelectionTerm> other_side{};
   bool any_anchor = false;  ///< "on the beds": not all of them are on one bed
   bool negated = false;     ///< "not on the bed"
+  /// "on the wall" of "on the wall above the bed": the objects are in both places; null: in the one place
+  std::shared_ptr<const RelatedTo> also{};
 };
 
 }  // namespace aligngs

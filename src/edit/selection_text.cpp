@@ -134,6 +134,8 @@ std::string choice_text(const SelectionTerm& term) {
   return term.rank > 1 ? ordinal_text(term.rank) + " " + word : word;
 }
 
+std::string place_text(const RelatedTo& place, const LabelSet& labels);
+
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
   if (!term.named.empty()) return term.named;
   const std::string name = (term.color.empty() ? "" : term.color + " ") +
@@ -143,14 +145,18 @@ std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
                      : term.count > 1                   ? std::to_string(term.count) + " x " + name
                      : term.relation && term.count == 0 ? "all " + name
                                                         : name;
-  if (!term.relation) return text;
-  text += (term.relation->negated ? " not " : " ") + std::string(relation_word(term.relation->relation));
-  if (is_of_room(term.relation->relation)) return text;
+  return term.relation ? text + place_text(*term.relation, labels) : text;
+}
+
+std::string place_text(const RelatedTo& place, const LabelSet& labels) {
+  std::string text = place.also ? place_text(*place.also, labels) : "";
+  text += (place.negated ? " not " : " ") + std::string(relation_word(place.relation));
+  if (is_of_room(place.relation)) return text;
   text += " ";
-  for (const SelectionTerm& anchor : term.relation->anchors)
-    text += (&anchor == term.relation->anchors.data() ? "" : ", ") + term_text(anchor, labels);
-  for (const SelectionTerm& other : term.relation->other_side)
-    text += (&other == term.relation->other_side.data() ? " and " : ", ") + term_text(other, labels);
+  for (const SelectionTerm& anchor : place.anchors)
+    text += (&anchor == place.anchors.data() ? "" : ", ") + term_text(anchor, labels);
+  for (const SelectionTerm& other : place.other_side)
+    text += (&other == place.other_side.data() ? " and " : ", ") + term_text(other, labels);
   return text;
 }
 

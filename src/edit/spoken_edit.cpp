@@ -19,7 +19,8 @@ const std::vector<Phrase>& phrases() {
   const auto any_case = [](const char* pattern) { return std::regex(pattern, std::regex::icase); };
   static const std::vector<Phrase> all = {
       {any_case("(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase) +(\\S.*)"), "delete $1"},
-      {any_case("(?:clear|empty) +(\\S.*)"), "delete everything on $1"},
+      {any_case("clear +(\\S.*)"), "delete everything on $1"},
+      {any_case("empty(?: +out)? +(\\S.*)"), "delete everything in $1"},
       {any_case("(?:take|remove) +(\\S.*\\S) +(?:off|from)(?: +of)? +(\\S.*)"), "delete $1 on $2"},
       {any_case("(?:take|throw) +(\\S.*\\S) +(?:away|out(?: +of +(?:the|my) +room)?)"), "delete $1"},
       {any_case("make +(\\S.*\\S) +(?:disappear|vanish|go away)"), "delete $1"},

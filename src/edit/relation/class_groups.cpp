@@ -45,6 +45,21 @@ constexpr std::string_view kFixtures[] = {"door",   "screen door", "windowpane",
                                           "column", "escalator",   "bannister",  "railing", "fireplace"};
 constexpr std::string_view kHung[] = {"curtain", "blind", "radiator", "awning", "hood"};
 constexpr std::string_view kShell[] = {"wall", "floor", "ceiling"};
+/// Furniture that hangs on no wall, and rests on no other furniture.
+constexpr std::string_view kHeavy[] = {"bed",          "cradle",  "sofa",       "chair",          "armchair",
+                                       "swivel chair", "stool",   "ottoman",    "bench",          "seat",
+                                       "table",        "desk",    "pool table", "kitchen island", "coffee table",
+                                       "wardrobe",     "bathtub", "toilet",     "chest of drawers"};
+/// Things that stand on the floor where they reach down to it, and may hang or stand elsewhere.
+constexpr std::string_view kStanding[] = {"cabinet", "bookcase", "buffet", "counter", "refrigerator", "stove",
+                                          "washer",  "dishwasher", "case", "plant",   "palm",         "tree",
+                                          "box",     "basket",     "ashcan", "pot",   "fan"};
+/// Furniture with doors, drawers or boards: a thing on its top is not in it.
+constexpr std::string_view kClosed[] = {"wardrobe", "cabinet",      "chest of drawers", "bookcase",  "case",
+                                        "buffet",   "refrigerator", "oven",             "microwave", "stove",
+                                        "washer",   "dishwasher"};
+constexpr std::string_view kPotted[] = {"plant", "flower", "palm", "tree"};
+constexpr std::string_view kPots[] = {"pot", "vase", "basket"};
 
 template <class Names>
 bool holds_name(const Names& names, std::string_view name) {
@@ -72,6 +87,23 @@ bool is_fixture(const LabelSet& labels, int label) {
 
 bool never_stands(const LabelSet& labels, int label) {
   return is_fixture(labels, label) || holds_name(kHung, labels.classes.at(static_cast<size_t>(label)).name);
+}
+
+bool is_heavy(const LabelSet& labels, int label) {
+  return holds_name(kHeavy, labels.classes.at(static_cast<size_t>(label)).name);
+}
+
+bool is_standing(const LabelSet& labels, int label) {
+  return is_heavy(labels, label) || holds_name(kStanding, labels.classes.at(static_cast<size_t>(label)).name);
+}
+
+bool is_closed(const LabelSet& labels, int label) {
+  return holds_name(kClosed, labels.classes.at(static_cast<size_t>(label)).name);
+}
+
+bool may_stand_in(const LabelSet& labels, int label, int pot) {
+  return holds_name(kPotted, labels.classes.at(static_cast<size_t>(label)).name) &&
+         holds_name(kPots, labels.classes.at(static_cast<size_t>(pot)).name);
 }
 
 bool is_of_group(const LabelSet& labels, int label, ClassGroup group) {

@@ -30,6 +30,18 @@ bool is_fixture(const LabelSet& labels, int label);
 /// Whether things of a class hang or are fixed, even where they reach down to the floor: fixtures, curtains, radiators.
 bool never_stands(const LabelSet& labels, int label);
 
+/// Whether things of a class neither hang nor rest on furniture: a bed, a sofa, a table.
+bool is_heavy(const LabelSet& labels, int label);
+
+/// Whether things of a class stand where they nearly reach down to the floor: heavy ones, cabinets, plants, boxes.
+bool is_standing(const LabelSet& labels, int label);
+
+/// Whether things are inside of a class or on its top, and on its top they are not in it: a wardrobe.
+bool is_closed(const LabelSet& labels, int label);
+
+/// Whether a thing of one class stands in a thing of the other: a plant in its pot.
+bool may_stand_in(const LabelSet& labels, int label, int pot);
+
 /// Whether a class is of the group. Things are all classes but walls, floor and ceiling.
 bool is_of_group(const LabelSet& labels, int label, ClassGroup group);
 

@@ -65,7 +65,9 @@ std::pair<std::string_view, std::string_view> parted(std::string_view word) {
 bool fits(const ColorRange& range, const SeenColor& color, double slack) {
   const double turn = std::fabs(std::remainder(color.hue - range.hue, 360));
   const double dullest = range.half_width == kAnyHue ? 0 : range.dullest - 4 * slack;
-  return turn <= range.half_width + 12 * slack && color.lightness >= range.darkest - 8 * slack &&
+  constexpr double kClearly = 6;  // of chroma: duller colours have a hue that the light changes, so that it must fit
+  const double hue_slack = color.chroma >= range.dullest + kClearly ? 12 * slack : 0;
+  return turn <= range.half_width + hue_slack && color.lightness >= range.darkest - 8 * slack &&
          color.lightness <= range.lightest + 8 * slack && color.chroma >= dullest &&
          color.chroma <= range.brightest + 5 * slack;
 }

@@ -30,6 +30,14 @@ TEST(ColorWords, ShadesCount) {
   EXPECT_EQ(color_fit("light green", dark), ColorFit::kNo);
 }
 
+TEST(ColorWords, DullBeigeIsNoLightGreen) {
+  EXPECT_EQ(color_fit("light green", seen_color(0.6, 0.58, 0.51)), ColorFit::kNo);
+}
+
+TEST(ColorWords, DullGreenIsLightGreen) {
+  EXPECT_EQ(color_fit("light green", seen_color(0.6, 0.65, 0.55)), ColorFit::kYes);
+}
+
 TEST(ColorWords, NamesOfTablesCount) { EXPECT_EQ(color_fit("navy", seen_color(0.05, 0.05, 0.45)), ColorFit::kYes); }
 
 TEST(ColorWords, AColourIsTakenOffTheBegin) {

@@ -45,16 +45,46 @@ bool ObjectRelations::is_carried(size_t a) const {
   return contents(furniture).count(a) > 0;
 }
 
-bool ObjectRelations::is_on_shell(size_t a, size_t b) const {
-  const auto shell = [&](size_t i) { return classes_[static_cast<size_t>(objects_[i].label)].shell; };
-  if (shell(a) != PlaneKind::kNone || is_carried(a)) return false;
+bool ObjectRelations::stands(size_t a) const {
   double floor = 1e300;  // its height
   for (size_t i = 0; i < objects_.size(); ++i) {
-    if (shell(i) == PlaneKind::kFloor) floor = std::min(floor, objects_.box(i).middle_height());
+    if (classes_[static_cast<size_t>(objects_[i].label)].shell == PlaneKind::kFloor)
+      floor = std::min(floor, objects_.box(i).middle_height());
   }
-  const bool stands = floor < 1e300 && !never_stands(objects_.labels(), objects_[a].label) &&
-                      objects_.box(a).low - floor < limits_.touch * objects_.metre();
-  return shell(b) == PlaneKind::kFloor ? stands : !stands && objects_.gap(a, b) < limits_.touch;
+  if (floor == 1e300 || never_stands(objects_.labels(), objects_[a].label)) return false;
+  const double reach = is_standing(objects_.labels(), objects_[a].label) ? limits_.foot : limits_.touch;
+  return objects_.box(a).low - floor < reach * objects_.metre();
+}
+
+bool ObjectRelations::is_on_a_top(size_t a) const {
+  if (!is_standing(objects_.labels(), objects_[a].label) || is_heavy(objects_.labels(), objects_[a].label))
+    return false;  // a painting just above a sofa hangs
+  const double margin = limits_.inside * objects_.metre();
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (i == a || !classes_[static_cast<size_t>(objects_[i].label)].furniture) continue;
+    const ObjectBox& below = objects_.box(i);
+    if (std::fabs(objects_.box(a).low - below.high) <= margin && share_over(objects_, a, below, margin) >= limits_.share)
+      return true;
+  }
+  return false;
+}
+
+std::optional<size_t> ObjectRelations::pot_of(size_t a) const {
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    if (may_stand_in(objects_.labels(), objects_[a].label, objects_[i].label) &&
+        objects_.box(i).middle_height() < objects_.box(a).middle_height() && objects_.gap(a, i) < limits_.touch)
+      return i;
+  }
+  return std::nullopt;
+}
+
+bool ObjectRelations::is_on_shell(size_t a, size_t b) const {
+  const auto shell = [&](size_t i) { return classes_[static_cast<size_t>(objects_[i].label)].shell; };
+  if (shell(a) != PlaneKind::kNone || is_carried(a) || is_on_a_top(a)) return false;
+  const bool on_floor = stands(a);
+  if (const auto pot = on_floor ? std::nullopt : pot_of(a)) return is_on_shell(*pot, b);
+  if (shell(b) == PlaneKind::kFloor) return on_floor;
+  return !on_floor && !is_heavy(objects_.labels(), objects_[a].label) && objects_.gap(a, b) < limits_.touch;
 }
 
 bool ObjectRelations::is_on(size_t a, size_t b) const {
@@ -68,6 +98,11 @@ bool ObjectRelations::is_in(size_t a, size_t b) const {
   const double margin = limits_.inside * objects_.metre();
   return inner.low >= outer.low - margin && inner.high <= outer.high + margin &&
          share_over(objects_, a, outer, margin) > limits_.share;
+}
+
+bool ObjectRelations::is_above_inside(size_t a, size_t b) const {
+  return is_closed(objects_.labels(), objects_[b].label) &&
+         objects_.box(a).low >= objects_.box(b).high - limits_.top * objects_.metre();
 }
 
 bool ObjectRelations::is_above(size_t a, size_t b) const {
@@ -142,6 +177,8 @@ std::optional<double> ObjectRelations::gap_where(size_t a, Relation relation, si
     case Relation::kOn:
       return where(is_on(a, b));
     case Relation::kIn:
+      return where(!is_above_inside(a, b) && (is_in(a, b) || is_on(a, b)));
+    case Relation::kOwned:
       return where(is_in(a, b) || is_on(a, b));
     case Relation::kUnder:
       return where(is_above(b, a));

@@ -18,6 +18,7 @@ constexpr std::pair<std::string_view, Relation> kRelationWords[] = {
     {"inside", Relation::kIn},
     {"inside of", Relation::kIn},
     {"within", Relation::kIn},
+    {"belonging to", Relation::kOwned},
     {"under", Relation::kUnder},
     {"underneath", Relation::kUnder},
     {"beneath", Relation::kUnder},
@@ -95,8 +96,8 @@ std::optional<FoundRelation> find_relation(std::string_view text, bool leading) 
 bool is_of_room(Relation relation) { return relation == Relation::kInCorner || relation == Relation::kRoomMiddle; }
 
 bool is_distance(Relation relation) {
-  return relation != Relation::kOn && relation != Relation::kIn && relation != Relation::kUnder &&
-         relation != Relation::kAbove && relation != Relation::kBetween && relation != Relation::kBothSides &&
+  return relation != Relation::kOn && relation != Relation::kIn && relation != Relation::kOwned &&
+         relation != Relation::kUnder && relation != Relation::kAbove && relation != Relation::kBetween && relation != Relation::kBothSides &&
          relation != Relation::kHolding && relation != Relation::kInCorner;
 }
 

@@ -10,7 +10,8 @@ namespace aligngs {
 /// The place of one object relative to another one.
 enum class Relation {
   kOn,         ///< rests on it, or hangs on that wall
-  kIn,         ///< within its box, or on a board of it
+  kIn,         ///< within its box, or on a board of it; not on the top of a wardrobe
+  kOwned,      ///< in it or on it: "the bed's pillows"
   kUnder,      ///< below it, seen from above in the same place
   kAbove,      ///< over it in the same place, resting on it or not
   kNextTo,     ///< the gap is small
