@@ -184,9 +184,15 @@ void add_contents(const EditableRoom& room, bool take, GaussianSelection& select
   selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
 }
 
-/// Things that belong to the selected objects: selected, too.
-void add_parts(const EditableRoom& room, GaussianSelection& selection, EditReport& report) {
-  const std::vector<Instance> parts = parts_of(room.gaussians, selection.mask, room.labels, room.up);
+/// Things that belong to the selected objects: selected, too. "The plant without the pot" leaves the pot.
+void add_parts(const EditableRoom& room, const SelectionQuery& query, GaussianSelection& selection,
+               EditReport& report) {
+  std::vector<Instance> parts = parts_of(room.gaussians, selection.mask, room.labels, room.up);
+  std::erase_if(parts, [&](const Instance& part) {
+    return std::any_of(query.exclude.begin(), query.exclude.end(), [&](const SelectionTerm& term) {
+      return term.label == part.label && (term.instance == 0 || term.instance == part.number);
+    });
+  });
   if (parts.empty()) return;
   for (const Instance& o : parts) report.parts.push_back({o.label, o.number, o.gaussians});
   select_objects(room.gaussians, parts, selection.mask);
@@ -235,7 +241,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   if (leaves_hole(edit.kind)) options.join = 0.5;
   GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
-  if (!takes_color(edit.kind) && !query.everything) add_parts(room, selection, report);
+  if (!takes_color(edit.kind) && !query.everything) add_parts(room, query, selection, report);
   if ((leaves_hole(edit.kind) || edit.with_contents) && room.up && !query.everything) {
     add_contents(room, edit.with_contents, selection, report);
   }

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "edit/relation/class_groups.h"
 #include "edit/relation/color_words.h"
 #include "io/text_tokens.h"
 
@@ -42,11 +43,26 @@ bool take_one_of(std::string_view& item) {
   return false;
 }
 
+/// "Pillows", "things" and "furniture" are several.
+bool names_several(std::string_view noun, const Vocabulary& vocabulary) {
+  if (vocabulary.find(noun)) return vocabulary.is_plural(noun);
+  const auto group = find_group(noun);
+  return group && !group->one && !group->needs_place;
+}
+
+bool asks_for_all(std::string_view item) {
+  for (const std::string_view word : {"all", "every", "each"}) {
+    std::string_view rest = trimmed(item);
+    if (take_phrase(rest, word)) return true;
+  }
+  return false;
+}
+
 /// "Both pillows" and "the three chairs": takes the count where a plural follows.
 void take_meant_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
   std::string_view rest = item;
   const int count = take_count(rest);
-  if (count == 0 || !vocabulary.is_plural(noun_of(rest, vocabulary))) return;
+  if (count == 0 || !names_several(noun_of(rest, vocabulary), vocabulary)) return;
   for (const std::string_view word : {"of the", "of my", "of these", "of those"}) take_phrase(rest, word);
   item = rest;
   term.count = count;
@@ -82,15 +98,16 @@ bool take_among(std::string_view& item, const Vocabulary& vocabulary, SelectionT
   return true;
 }
 
-/// "The largest two pillows" are two. "The largest pillows" are how many?
-void take_chosen_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
+/// "The largest two pillows" are two. "The largest pillows" are how many? So are "every large pillow", "tall furniture".
+void take_chosen_count(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term, bool of_all) {
   if (take_among(item, vocabulary, term)) return;
   if (term.count == 0) take_meant_count(item, vocabulary, term);
   const std::string word = choice_word(term.choice);
   if (term.count > 0 && term.rank > 1)
     throw_usage("\"" + ordinal_text(term.rank) + " " + word + "\" means one object", "leave out one of the numbers");
-  if (term.count == 0 && term.rank == 1 && vocabulary.is_plural(item)) {
-    const std::string name(item);
+  if (term.count == 0 && term.rank == 1 && (names_several(item, vocabulary) || of_all)) {
+    const bool is_furniture = folded_name(item) == "furniture";  // has no plural
+    const std::string name(is_furniture ? "pieces of furniture" : item);
     throw_usage("\"" + word + " " + name + "\" does not tell how many are meant",
                 "say \"the two " + word + " " + name + "\", or name one of them");
   }
@@ -132,7 +149,7 @@ void take_colors(std::string_view& item, const Vocabulary& vocabulary, Selection
 }  // namespace
 
 void take_adjectives(std::string_view& item, const Vocabulary& vocabulary, SelectionTerm& term) {
-  const bool is_a = means_any_one(item, vocabulary);
+  const bool is_a = means_any_one(item, vocabulary), of_all = asks_for_all(item);
   if (is_a) {
     if (!take_one_of(item)) item = without_a(item);
     term.count = 1;  // "a lamp" is none of two, and a number or a size tells which
@@ -151,7 +168,7 @@ void take_adjectives(std::string_view& item, const Vocabulary& vocabulary, Selec
   take_colors(item, vocabulary, term);
   if (!vocabulary.find(item) && term.choice == ObjectChoice::kNone) take_ranked_choice(item, term);
   if (is_a && term.choice != ObjectChoice::kNone) term.count = 0;
-  if (term.choice != ObjectChoice::kNone) take_chosen_count(item, vocabulary, term);
+  if (term.choice != ObjectChoice::kNone) take_chosen_count(item, vocabulary, term, of_all);
   take_colors(item, vocabulary, term);
   if (!term.color.empty() && is_one && term.count == 0 && term.choice == ObjectChoice::kNone) term.count = 1;
 }

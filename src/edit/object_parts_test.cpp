@@ -58,6 +58,14 @@ TEST_F(ObjectParts, DeletingAPlantTakesItsPot) {
   EXPECT_EQ(small_room::count_label(room_, pot_), 0u);
 }
 
+TEST_F(ObjectParts, APotThatIsExceptedStays) {
+  const size_t before = small_room::count_label(room_, pot_);
+  const EditReport report =
+      apply_edit(room_, small_room::edit_of(EditKind::kDelete, "the plant but not the pot"), pool_);
+  EXPECT_TRUE(report.parts.empty());
+  EXPECT_GT(small_room::count_label(room_, pot_), before / 2);
+}
+
 TEST_F(ObjectParts, PaintingAPlantLeavesItsPot) {
   const EditReport report = apply_edit(room_, small_room::edit_of(EditKind::kRecolor, "plant"), pool_);
   EXPECT_TRUE(report.parts.empty());

@@ -115,6 +115,21 @@ void say_corner_last(std::string& text, const Vocabulary& vocabulary) {
   if (take_phrase(rest, "corner") && vocabulary.find(rest)) text = "the " + std::string(rest) + " in the corner";
 }
 
+/// "The lamp that is bigger" as "the bigger lamp".
+void say_adjective_first(std::string& text, const Vocabulary& vocabulary) {
+  for (const std::string_view join : {"that is", "which is"}) {
+    const size_t at = find_word(text, join, 1);
+    if (at == std::string::npos) continue;
+    std::string_view thing = trimmed(std::string_view(text).substr(0, at));
+    std::string_view adjective = trimmed(std::string_view(text).substr(at + join.size()));
+    take_phrase(thing, "the");
+    take_phrase(adjective, "the");
+    if (!vocabulary.find(thing) || !is_adjective_alone(adjective, vocabulary)) continue;
+    text = "the " + std::string(adjective) + " " + std::string(thing);
+    return;
+  }
+}
+
 /// "The table with the lamp on it" is the table that holds the lamp. Without "on it" both may be meant.
 void say_holding(std::string& text, const Vocabulary& vocabulary) {
   const size_t with = find_word(text, "with", 1);
@@ -146,6 +161,7 @@ std::string in_plain_words(std::string_view item, const Vocabulary& vocabulary) 
   if (text.empty() || vocabulary.find(text) || vocabulary.find_selection(text)) return std::string(trimmed(item));
   for (const auto& [from, to] : kOthers) replace_words(text, from, to);
   leave_out_room(text);
+  say_adjective_first(text, vocabulary);
   say_owner_last(text, vocabulary);
   say_order_last(text);
   if (!vocabulary.find(text)) say_corner_last(text, vocabulary);

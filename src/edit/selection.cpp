@@ -90,6 +90,11 @@ Criterion criterion_of(const LabelledGaussians& room, int label, const std::vect
   return out;
 }
 
+/// Whether any thing of the room has a number. What of a class has none is a crumb then: names do not mean it.
+bool has_numbers(const LabelledGaussians& room) {
+  return std::any_of(room.labels.instance.begin(), room.labels.instance.end(), [](uint16_t number) { return number; });
+}
+
 void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms, const ThresholdRule& rule,
           const SelectionOptions& options, uint8_t value, GaussianSelection& selection) {
   for (const SelectionTerm& term : terms) {
@@ -98,6 +103,7 @@ void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms
     if (rule.kind != ThresholdRule::Kind::kArgmax && selection.threshold == 0)
       selection.threshold = criterion.threshold;
     const ObjectFinder finder(room, term.label, options.reach * room.extent);
+    if (!finder.any() && rule.kind == ThresholdRule::Kind::kArgmax && has_numbers(room)) continue;
     std::vector<PointTree::Neighbour> scratch;
     for (size_t i = 0; i < selection.mask.size(); ++i) {
       if (!(criterion.value[i] >= criterion.threshold) || selection.mask[i] == value) continue;

@@ -37,6 +37,38 @@ bool continues(const std::vector<SelectionTerm>& terms, std::string_view name, s
               "say which one stays: \"every " + text + " but " + text + "#1\"");
 }
 
+/// "Every second book" may be the second one, or each second one of a row.
+void refuse_each_nth(std::string_view item) {
+  std::string_view rest = trimmed(item);
+  if (!take_phrase(rest, "every") && !take_phrase(rest, "each")) return;
+  const int number = take_ordinal(rest);
+  if (number == 0) return;
+  const std::string name(rest);
+  throw_usage("\"" + std::string(trimmed(item)) + "\" has two readings",
+              "did you mean \"the " + ordinal_text(number) + " " + name + "\"? Name several by their numbers: \"" + name +
+                  "#" + std::to_string(number) + ", " + name + "#" + std::to_string(2 * number) + "\"");
+}
+
+/// "The left one" without a name before it.
+void refuse_one(std::string_view whole, std::string_view name) {
+  constexpr std::string_view kOne = "one", kOnes = "ones";
+  const std::string folded = folded_name(name);
+  if (folded != kOne && folded != kOnes) return;
+  std::string example(whole);
+  const size_t at = lower_case(example).rfind(folded);
+  if (at != std::string::npos) example.replace(at, folded.size(), folded == kOne ? "lamp" : "lamps");
+  throw_usage("\"" + std::string(whole) + "\" does not name a thing", "say its name, such as \"" + example + "\"");
+}
+
+/// "Nearest to me": the viewer is no thing.
+void refuse_viewer(std::string_view anchor) {
+  const std::string name = without_article(folded_name(anchor));
+  for (const std::string_view viewer : {"me", "us", "you", "myself", "camera", "cameras", "viewer"}) {
+    if (name == viewer)
+      throw_usage("\"" + name + "\" is no thing of the room", "name a thing there, such as \"the door\"");
+  }
+}
+
 /// `numbers` is what follows the name.
 [[noreturn]] void refuse_numbers(std::string_view whole, std::string_view numbers) {
   const std::string shown = "\"" + std::string(whole) + "\"";
@@ -63,6 +95,7 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
                  std::vector<SelectionTerm>& terms) {
   SelectionTerm term;
   const std::string_view whole = item;
+  if (!vocabulary.find(item)) refuse_each_nth(item);
   const bool is_a = means_any_one(item, vocabulary);
   take_adjectives(item, vocabulary, term);
   if (!vocabulary.find(item)) {
@@ -102,6 +135,7 @@ void parse_plain(std::string_view item, const Vocabulary& vocabulary, bool has_p
     const std::string name = without_article(folded_name(item));
     if (name.starts_with(kOther) && vocabulary.find(name.substr(kOther.size())))
       refuse_other(name.substr(kOther.size()));
+    if (!vocabulary.find(item)) refuse_one(whole, item);
     term.label = vocabulary.resolve(item);
   }
   if (hash == std::string_view::npos && numbers.empty()) {
@@ -122,6 +156,7 @@ void parse_related(std::string_view item, const Vocabulary& vocabulary, int dept
 bool parse_anchor(std::string_view anchor, Relation relation, const Vocabulary& vocabulary, int depth,
                   std::vector<SelectionTerm>& anchors) {
   bool any = false;
+  if (!vocabulary.find(anchor) && !vocabulary.find_selection(anchor)) refuse_viewer(anchor);
   parse_related(anchor, vocabulary, depth + 1, anchors);
   for (SelectionTerm& term : anchors) {
     if (!term.named.empty())

@@ -132,6 +132,54 @@ TEST(SelectionItem, AConjunctionAfterAPlaceHasTwoReadings) {
               testing::AllOf(HasSubstr("two readings"), HasSubstr("\"the pillows on the bed, the sofa\"")));
 }
 
+TEST(SelectionItem, APlaceAfterTwoNamesHasTwoReadings) {
+  EXPECT_THAT(usage_error("the pillows and the cushions on the armchair"),
+              testing::AllOf(HasSubstr("two readings"), HasSubstr("\"the pillows, the cushions on the armchair\""),
+                             HasSubstr("\"the pillows on the armchair, the cushions on the armchair\"")));
+  EXPECT_THAT(usage_error("the lamp and the book on the left nightstand"), HasSubstr("two readings"));
+  EXPECT_THAT(usage_error("books, pillows and cushions next to the sofa"), HasSubstr("two readings"));
+}
+
+TEST(SelectionItem, APlaceThatOneNameCannotHaveIsThatOfTheOther) {
+  EXPECT_EQ(understood("the desk and the lamp on the desk"), "desk, lamp on desk");
+  EXPECT_EQ(understood("the armchair and the lamp on the table"), "armchair, lamp on table");
+  EXPECT_EQ(understood("the wall and the lamp on the table"), "wall, lamp on table");
+  EXPECT_EQ(understood("pillow#1 and the cushion on the armchair"), "cushion on armchair, pillow#1");
+  EXPECT_EQ(understood("the lamp and everything on the desk"), "all things on desk, lamp");
+}
+
+TEST(SelectionItem, APlaceAfterAWallIsASecondOne) {
+  EXPECT_EQ(understood("the paintings on the wall above the bed"), "all painting on wall above bed");
+  EXPECT_EQ(understood("the lamp on the table above the bed"), "lamp on table above bed") << "the table's place";
+}
+
+TEST(SelectionItem, EverySecondOneIsNotTheSecond) {
+  EXPECT_THAT(usage_error("every second book"), testing::AllOf(HasSubstr("two readings"), HasSubstr("book#2")));
+  EXPECT_THAT(usage_error("every 3rd pillow on the bed"), HasSubstr("two readings"));
+}
+
+TEST(SelectionItem, SizesOfManyAskForACount) {
+  EXPECT_THAT(usage_error("tall furniture"), HasSubstr("the two tallest pieces of furniture"));
+  for (const char* text : {"big furniture", "the small things on the bed", "all small things", "every large lamp"})
+    EXPECT_THAT(usage_error(text), HasSubstr("how many")) << text;
+  EXPECT_EQ(understood("the two largest pieces of furniture"), "2 largest furniture");
+}
+
+TEST(SelectionItem, WordsAreNoClasses) {
+  EXPECT_THAT(usage_error("the left one"), HasSubstr("\"the left lamp\""));
+  EXPECT_THAT(usage_error("the plate nearest to me"), HasSubstr("no thing of the room"));
+}
+
+TEST(SelectionItem, AnAdjectiveMayFollow) {
+  EXPECT_EQ(understood("the lamp that is bigger"), "largest lamp");
+  EXPECT_EQ(understood("the lamp which is on the left"), "left lamp");
+}
+
+TEST(SelectionItem, QuotesWithinWordsSayNothing) {
+  EXPECT_EQ(understood("the \"sofa\""), "sofa");
+  EXPECT_EQ(understood("the \xe2\x80\x9csofa\xe2\x80\x9d"), "sofa");
+}
+
 TEST(SelectionItem, WhatIsUnclearIsRefused) {
   EXPECT_THAT(usage_error("the pilow on the bed"), HasSubstr("did you mean \"pillow\""));
   EXPECT_THAT(usage_error("the pillow on the bedd"), HasSubstr("did you mean \"bed\""));

@@ -84,6 +84,13 @@ TEST_F(SelectionTest, ASpeckIsSelectedByItsOwnName) {
   EXPECT_TRUE(s.mask[middle]);
 }
 
+TEST_F(SelectionTest, CrumbsOfAClassWithoutAnObjectAreNotMeant) {
+  for (size_t i = 0; i < room_.gaussians.labels.label.size(); ++i) {
+    if (room_.gaussians.labels.label[i] == small_room::kBox) room_.gaussians.labels.instance[i] = 0;
+  }
+  EXPECT_THROW(select("box"), Error);
+}
+
 TEST_F(SelectionTest, ThresholdsSelectByProbability) {
   const size_t argmax = select("pillow").count;
   EXPECT_NEAR(static_cast<double>(select("pillow", "auto").count), static_cast<double>(argmax), 10);

@@ -30,8 +30,62 @@ bool is_everything(std::string_view item) {
   const std::string target(before.target), place(before.place), other(after);
   const auto found = find_relation(before.place, true);
   const std::string relation(before.place.substr(0, found->length));
-  throw_usage("\"" + target + " " + place + " and " + other + "\" has two readings: say \"" + target + " " + place +
-              ", " + other + "\" or \"" + target + " " + place + ", " + target + " " + relation + " " + other + "\"");
+  throw_usage("\"" + target + " " + place + " and " + other + "\" has two readings",
+              "did you mean \"" + target + " " + place + ", " + other + "\" or \"" + target + " " + place + ", " +
+                  target + " " + relation + " " + other + "\"?");
+}
+
+/// Whether a thing without a place may be in that of another one after "and". A bed is on no table, and "the desk and
+/// the lamp on the desk" are clear.
+bool may_share_place(const SelectionTerm& bare, const SelectionTerm& placed, const LabelSet& labels) {
+  if (bare.instance > 0 || !bare.named.empty() || placed.group == ClassGroup::kThings) return false;
+  const RelatedTo& place = *placed.relation;
+  if (place.relation == Relation::kBetween || place.relation == Relation::kHolding) return false;
+  if (bare.label < 0) return true;
+  if (!is_of_group(labels, bare.label, ClassGroup::kThings)) return false;
+  const auto any_anchor = [&](const auto& fits) {
+    return std::any_of(place.anchors.begin(), place.anchors.end(),
+                       [&](const SelectionTerm& anchor) { return anchor.label >= 0 && fits(anchor.label); });
+  };
+  if (any_anchor([&](int label) { return label == bare.label; })) return false;
+  const bool rests = place.relation == Relation::kOn || place.relation == Relation::kIn;
+  return !rests || !is_heavy(labels, bare.label) || any_anchor([&](int label) {
+    return !is_of_group(labels, label, ClassGroup::kThings) || label == labels.find("rug");
+  });
+}
+
+/// A name without a place, and its first term.
+struct BareName {
+  std::string text;
+  size_t term = 0;
+};
+
+/// "The pillows and the cushions on the armchair" may mean all pillows, or those on the armchair.
+void require_own_place(const std::vector<BareName>& bare, const RelatedItem& after,
+                       const std::vector<SelectionTerm>& terms, size_t placed, const LabelSet& labels) {
+  if (placed >= terms.size() || !terms[placed].relation) return;
+  if (std::none_of(bare.begin(), bare.end(),
+                   [&](const BareName& b) { return may_share_place(terms[b.term], terms[placed], labels); }))
+    return;
+  const std::string where = (after.negated ? " not " : " ") + std::string(after.place);
+  const std::string last = std::string(after.target) + where;
+  std::string whole, apart, together;
+  for (const BareName& b : bare) {
+    whole += b.text + " and ";
+    apart += b.text + ", ";
+    together += b.text + where + ", ";
+  }
+  throw_usage("\"" + whole + last + "\" has two readings",
+              "did you mean \"" + apart + last + "\" or \"" + together + last + "\"?");
+}
+
+/// Names have no double quotes, so that those around a name say nothing.
+std::string without_double_quotes(std::string_view given) {
+  std::string text(given);
+  for (const std::string_view quote : {"\"", "\xe2\x80\x9c", "\xe2\x80\x9d"}) {
+    for (size_t at = text.find(quote); at != std::string::npos; at = text.find(quote, at)) text.erase(at, quote.size());
+  }
+  return text;
 }
 
 /// "\"bed\"" and "'bed'" are bed: shells of other systems leave quotes in.
@@ -73,6 +127,7 @@ std::string spelled_plainly(std::string_view item, const Vocabulary& vocabulary)
 void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
                 bool* everything, std::string& previous) {
   std::optional<RelatedItem> before;  // of an item that tells a place, and has a conjunction after it
+  std::vector<BareName> bare;         // names before it that tell none
   while (true) {
     item = vocabulary.find_selection(item) ? trimmed(item) : without_quotes(item);
     if (item.empty()) throw_usage("a selection has an empty item", kSelectionExample);
@@ -90,10 +145,17 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
     const auto related = related_item(whole == first ? first : std::string_view(whole), vocabulary);
     if (before && !related) refuse_two_readings(*before, first);
     whole = with_previous_name(whole, previous, vocabulary);
+    const size_t begin = terms.size();
     if (everything && is_everything(first) && !vocabulary.find(first)) {
       *everything = true;
     } else {
       parse_item_terms(whole, vocabulary, terms);
+    }
+    if (related && whole == first) require_own_place(bare, *related, terms, begin, vocabulary.labels());
+    if (related) {
+      bare.clear();
+    } else if (terms.size() > begin) {
+      bare.push_back({whole, begin});
     }
     previous = whole;
     if (has_two_sides) {
@@ -190,10 +252,11 @@ void sort_terms(std::vector<SelectionTerm>& terms) {
               terms.end());
 }
 
-SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary) {
-  if (text.size() > kLongestText) throw_usage("the selection is longer than 4096 bytes", kSelectionExample);
-  if (text.find('\0') != std::string_view::npos) throw_usage("the selection holds a zero byte", kSelectionExample);
-  text = trimmed(text);
+SelectionQuery parse_selection(std::string_view given, const Vocabulary& vocabulary) {
+  if (given.size() > kLongestText) throw_usage("the selection is longer than 4096 bytes", kSelectionExample);
+  if (given.find('\0') != std::string_view::npos) throw_usage("the selection holds a zero byte", kSelectionExample);
+  const std::string unquoted = without_double_quotes(given);
+  const std::string_view text = trimmed(unquoted);
   if (text.empty()) throw_usage("nothing is selected", kSelectionExample);
   const auto [exception, length] = find_exception(text);
   std::string_view included = trimmed(text.substr(0, exception));

@@ -220,6 +220,10 @@ ObjectChoice take_place(std::string_view& item) {
   if (!longest) return ObjectChoice::kNone;
   item = trimmed(item);
   item = trimmed(item.substr(0, item.size() - longest->first.size()));
+  for (const std::string_view filler : {" that is", " which is", " that are", " which are"}) {
+    if (item.size() > filler.size() && lower_case(item).ends_with(filler))
+      item = trimmed(item.substr(0, item.size() - filler.size()));
+  }
   return longest->second;
 }
 
