@@ -12,6 +12,7 @@
 #include "edit/inserted_object.h"
 #include "edit/motion_text.h"
 #include "edit/spoken_edit.h"
+#include "edit/turn_text.h"
 
 namespace aligngs {
 namespace {
@@ -118,6 +119,8 @@ void read_motion(const std::string& verb, EditOperation& edit, std::string& text
     refuse_place(text);
     throw_usage("the move has no distance",
                 "for example \"move sofa by 0.5,0,-0.2\" or \"move chair 0.5 m to the left\"");
+  } else {
+    refuse_side(text);
   }
 }
 

@@ -30,6 +30,7 @@ TEST(EditText, AnEditThatMovesNothingIsRefused) {
       EXPECT_THAT(error.what(), HasSubstr("nothing would move")) << text;
     }
   }
+  EXPECT_THROW(parse_edit("copy the armchair to the left"), Error) << "how far?";
   EXPECT_TRUE(parse_edit("copy sofa").motion.is_still()) << "a copy without a motion is beside the sofa";
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/letter_case.h"
+#include "edit/length_words.h"
 #include "edit/selection_words.h"
 #include "io/text_tokens.h"
 
@@ -83,21 +84,19 @@ const std::regex& a_length_alone() {
   return pattern;
 }
 
-const std::regex& by_degrees() {
-  static const std::regex pattern(
-      "^(.*?\\S)( +by)? +([-+.,0-9]+(?:e[-+]?[0-9]+)?)( *degrees?| *deg| *\xc2\xb0)?( "
-      "+(counter-?clockwise|clockwise|(?:to +the "
-      "+)?(?:left|right)))?$",
-      std::regex::icase);
-  return pattern;
-}
-
 /// "50 cm towards the window" and "0.5 m away from the bed": what comes before, length, unit, words, thing.
 const std::regex& toward_a_thing() {
   static const std::regex pattern(
       fmt::format("^(.*?\\S)(?: +by)? +{} *{}? +(towards?|(?:closer|nearer) +to|away +from) +(?:the +)?(\\S.*)$",
                   kLength, kUnit),
       std::regex::icase);
+  return pattern;
+}
+
+/// "20 cm against the wall" and "20 cm north": what comes before, length, unit, and words that are no direction.
+const std::regex& length_before_words() {
+  static const std::regex pattern(fmt::format("^(.*?\\S)(?: +by)? +{} *{} +(\\S.*)$", kLength, kUnit),
+                                  std::regex::icase);
   return pattern;
 }
 
@@ -133,27 +132,47 @@ double metres_of(std::string unit) {
               std::string("for example \"move chair 0.5 m ") + example + "\"");
 }
 
+/// "1,500 mm" may be 1.5 mm or 1500 mm: of a number with three digits after its only mark, both are told.
+void refuse_thousands(const std::string& length, const std::string& unit, double largest) {
+  constexpr size_t kThousands = 3, kLongestBefore = 3;  // digits
+  const size_t begin = length.find_first_of("0123456789"), mark = length.find_first_of(".,");
+  if (mark == std::string::npos || begin >= mark || length[begin] == '0' || mark - begin > kLongestBefore) return;
+  const std::string whole = length.substr(0, mark), after = length.substr(mark + 1);
+  if (after.size() != kThousands || after.find_first_not_of("0123456789") != std::string::npos) return;
+  const auto decimal = number_of(length, largest), thousands = number_of(whole + after, largest);
+  if (!decimal || !thousands) return;
+  const std::string in = unit.empty() ? "" : " " + unit;
+  throw_usage("\"" + length + in + "\" has two readings",
+              fmt::format("did you mean \"{:g}{}\" or \"{:g}{}\"?", *decimal, in, *thousands, in));
+}
+
+/// In metres or scene units; nothing for what is no length.
+std::optional<double> length_of(const std::string& length, const std::string& unit) {
+  const double metres = metres_of(unit), largest = kLongestShift / metres;
+  refuse_thousands(length, unit, largest);
+  const auto value = number_of(length, largest);
+  return value ? std::optional<double>(*value * metres) : std::nullopt;
+}
+
 ObjectMotion motion_toward(const std::string& length, const std::string& unit, const std::string& words,
                            const std::string& thing) {
-  const double metres = metres_of(unit);
-  const auto value = number_of(length, kLongestShift / metres);
+  const auto value = length_of(length, unit);
   if (!value || *value == 0) refuse_length(length, "towards the window");
   ObjectMotion motion;
   motion.in_metres = !unit.empty();
   motion.toward = thing;
-  motion.distance = (lower_case(words).starts_with("away") ? -1 : 1) * *value * metres;
+  motion.distance = (lower_case(words).starts_with("away") ? -1 : 1) * *value;
   return motion;
 }
 
 /// Words of `length`, `unit` (may be empty) and `direction` as a shift.
 Vec3d shift_along(const std::string& length, const std::string& unit, std::string direction) {
-  const double metres = metres_of(unit);
-  const auto value = number_of(length, kLongestShift / metres);
+  const auto value = length_of(length, unit);
   if (!value) refuse_length(length, "to the left");
   direction = lower_case(direction);
   if (direction.starts_with("toward")) direction = "closer";
   for (const Direction& known : kDirections) {
-    if (direction == known.word) return known.axis * (*value * metres) + Vec3d{};  // without -0
+    if (direction == known.word) return known.axis * *value + Vec3d{};  // without -0
   }
   return {};
 }
@@ -210,13 +229,14 @@ double parse_turn(std::string_view text) {
   return *turn;
 }
 
-std::optional<ObjectMotion> take_motion(std::string& text) {
+std::optional<ObjectMotion> take_motion(std::string& given) {
   std::smatch match;
+  std::string text = with_plain_lengths(given);
   ObjectMotion motion;
   if (std::regex_match(text, match, along_axes())) {
     motion.shift = parse_shift(match[2].str());
     if (match[4].matched) motion.turn = parse_turn(match[4].str());
-    text = std::string(match[1].str());
+    given = std::string(match[1].str());
     return motion;
   }
   if (std::regex_match(text, match, in_a_direction())) {
@@ -234,36 +254,42 @@ std::optional<ObjectMotion> take_motion(std::string& text) {
   } else {
     return {};
   }
-  text = std::string(match[1].str());
-  if (motion.toward.empty()) add_earlier(text, motion);
+  given = std::string(match[1].str());
+  if (motion.toward.empty()) add_earlier(given, motion);
   return motion;
 }
 
-void refuse_place(const std::string& text) {
+void refuse_place(const std::string& given) {
   std::smatch match;
+  const std::string text = with_plain_lengths(given);
+  const auto thing_of = [](const std::string& place) {
+    return std::regex_replace(place, std::regex("^.*? +((?:to|from|of) +)?"), "",
+                              std::regex_constants::format_first_only);
+  };
+  if (std::regex_match(text, match, length_before_words()) && lower_case(match[3].str()) != "in") {
+    const std::string words = match[4].str(), rest = "x " + words;
+    static const std::regex compass("(?:to +)?(?:the +)?(?:north|south|east|west)(?:[- ]?(?:east|west))?(?:wards?)?",
+                                    std::regex::icase);
+    const bool is_place = std::regex_match(rest, to_a_thing()) && !std::regex_match(words, compass);
+    throw_usage("\"" + words + "\" is no direction",
+                is_place ? "did you mean \"move " + match[1].str() + " " + match[2].str() + " " + match[3].str() +
+                               " towards " + thing_of(words) + "\"?"
+                         : "say left, right, up, down, closer or away, or \"towards the window\"");
+  }
   if (!std::regex_match(text, match, to_a_thing())) return;
-  const std::string thing = std::regex_replace(match[2].str(), std::regex("^.*? +((?:to|from|of) +)?"), "",
-                                               std::regex_constants::format_first_only);
+  const std::string thing = thing_of(match[2].str());
   throw_usage("\"" + match[2].str() + "\" does not tell how far the move goes",
               "give a length: \"move " + match[1].str() + " 0.5 m towards " + thing + "\"");
 }
 
-std::optional<double> take_turn(std::string& text) {
+void refuse_side(const std::string& text) {
   std::smatch match;
-  static const std::regex part_of_a_turn(
-      "^(.*?\\S)(?: +by)? +(a +quarter(?: +of +a)?|a +half|half +an?|one +quarter|quarter|half)(?: +turn| +circle)?"
-      "( +(?:counter-?clockwise|clockwise|(?:to +the +)?(?:left|right)))?$",
-      std::regex::icase);
-  if (std::regex_match(text, match, part_of_a_turn)) {
-    const double degrees = lower_case(match[2].str()).find("half") != std::string::npos ? 180 : 90;
-    text = match[1].str() + fmt::format(" by {:.0f}", degrees) + match[3].str();
-  }
-  if (!std::regex_match(text, match, by_degrees())) return {};
-  const double turn = parse_turn(match[3].str());
-  const std::string side = lower_case(match[6].str());  // a turn to the left is counter-clockwise
-  const bool clockwise = side == "clockwise" || side.ends_with("right");
-  text = std::string(match[1].str());
-  return clockwise ? -turn : turn;
+  static const std::regex side("^(.*?\\S) +((?:over +)?to +the +(left|right)(?: +side)?)$", std::regex::icase);
+  if (!std::regex_match(text, match, side)) return;
+  const std::string name = std::regex_replace(match[1].str(), std::regex("^the +", std::regex::icase), "");
+  throw_usage("\"" + match[2].str() + "\" does not tell how far away the copy is",
+              "give a length: \"copy " + match[1].str() + " 0.5 m to the " + match[3].str() +
+                  "\", or name the object: \"copy the " + match[3].str() + " " + name + "\"");
 }
 
 void require_motion(const ObjectMotion& motion) {

@@ -19,10 +19,11 @@ double parse_turn(std::string_view text);
 /// Error{kUsage} for numbers out of range, and for a length without a direction.
 /// "50 cm towards the window" has a thing instead of a direction (settled_motion.h).
 std::optional<ObjectMotion> take_motion(std::string& text);
-/// The same for "by 90", "90 degrees", "45 degrees clockwise", "a quarter turn to the left".
-std::optional<double> take_turn(std::string& text);
-/// Error{kUsage} where a text without a motion ends in a place: "chair to the window" needs a length.
+/// Error{kUsage} where a text without a motion ends in a place: "chair to the window" needs a length, and "20 cm north"
+/// has no direction.
 void refuse_place(const std::string& text);
+/// Error{kUsage} where a copy has a side and no length: "armchair to the left".
+void refuse_side(const std::string& text);
 
 /// Error{kUsage} for a motion that leaves everything in its place: no way, and no turn but whole circles.
 void require_motion(const ObjectMotion& motion);

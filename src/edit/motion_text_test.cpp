@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "edit/turn_text.h"
 
 namespace aligngs {
 namespace {
@@ -89,6 +90,80 @@ TEST(MotionText, AThingWithoutALengthIsRefused) {
     }
   }
   EXPECT_NO_THROW(refuse_place("chair"));
+}
+
+/// Message and remedy of a text that is refused.
+template <class Reader>
+std::string refused_motion(const Reader& read, std::string text) {
+  try {
+    read(text);
+    ADD_FAILURE() << text;
+  } catch (const Error& error) {
+    return error.details().message + " | " + error.details().remedy;
+  }
+  return "";
+}
+
+TEST(MotionText, ThreeDigitsAfterAMarkHaveTwoReadings) {
+  for (const char* text : {"armchair 1,500 mm to the right", "armchair to the right by 1.500 mm",
+                           "armchair 1,500 mm towards the window"}) {
+    EXPECT_THAT(refused_motion(take_motion, text),
+                testing::AllOf(testing::HasSubstr("two readings"), testing::HasSubstr("\"1.5 mm\" or \"1500 mm\"")))
+        << text;
+  }
+  EXPECT_THAT(refused_motion(take_motion, "armchair 1.000 mm left"), testing::HasSubstr("\"1 mm\" or \"1000 mm\""));
+}
+
+TEST(MotionText, DecimalsThatAreClearStay) {
+  EXPECT_EQ(taken("bed 0,500 m to the left").second, " by -0.5,0,0");
+  EXPECT_EQ(taken("bed 0.125 m to the left").second, " by -0.125,0,0");
+  EXPECT_EQ(taken("bed 1.250 m to the left").second, " by -1.25,0,0") << "no room has 1250 m";
+  EXPECT_EQ(taken("bed 1.25 cm to the left").second, " by -0.0125,0,0");
+}
+
+TEST(MotionText, LengthsInWordsAndMarks) {
+  EXPECT_EQ(taken("bed 5' left").second, " by -1.524,0,0");
+  EXPECT_EQ(taken("bed 10\" up").second, " by 0,0.254,0");
+  EXPECT_EQ(taken("bed two hundred cm right").second, " by 2,0,0");
+  EXPECT_EQ(taken("bed 1/2 m right").second, " by 0.5,0,0");
+}
+
+TEST(MotionText, ALengthKeepsItsPlaceInTheReading) {
+  EXPECT_THAT(refused_motion(refuse_place, "the armchair 20 cm against the wall"),
+              testing::HasSubstr("\"move the armchair 20 cm towards the wall\""));
+}
+
+TEST(MotionText, NorthIsNoDirection) {
+  for (const char* text : {"armchair 20 cm north", "armchair 20 cm to the north"})
+    EXPECT_THAT(refused_motion(refuse_place, text),
+                testing::AllOf(testing::HasSubstr("is no direction"), testing::HasSubstr("say left, right")))
+        << text;
+}
+
+TEST(MotionText, ACopyToASideAsksForALength) {
+  EXPECT_THAT(refused_motion(refuse_side, "the armchair to the left"),
+              testing::AllOf(testing::HasSubstr("\"copy the armchair 0.5 m to the left\""),
+                             testing::HasSubstr("\"copy the left armchair\"")));
+  EXPECT_NO_THROW(refuse_side("the armchair on the left"));
+}
+
+TEST(MotionText, TurnsHaveShortWordsAndSidesFirst) {
+  for (const auto& [text, degrees] :
+       std::vector<std::pair<const char*, double>>{{"chair 90\xc2\xb0 cw", -90},
+                                                   {"chair 90 ccw", 90},
+                                                   {"chair anticlockwise by 30 degrees", 30},
+                                                   {"chair three quarters of a turn", 270},
+                                                   {"chair 1/4 turn clockwise", -90}}) {
+    std::string rest = text;
+    EXPECT_EQ(take_turn(rest), degrees) << text;
+    EXPECT_EQ(rest, "chair") << text;
+  }
+}
+
+TEST(MotionText, TheSideOfAnObjectIsNoTurn) {
+  std::string text = "the lamp on the left 30";
+  EXPECT_EQ(take_turn(text), 30);
+  EXPECT_EQ(text, "the lamp on the left");
 }
 
 TEST(MotionText, PartsOfATurn) {
