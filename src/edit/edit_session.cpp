@@ -27,6 +27,16 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// A later edit speaks of what the undone one made.
+[[noreturn]] void refuse_undo(size_t number, size_t later, const EditOperation& needs_it) {
+  throw_bad_input({}, "", fmt::format("edit {} (\"{}\") needs edit {}", later, describe(needs_it), number),
+                  fmt::format("undo edit {} first: \"undo #{}\"", later, later));
+}
+
+}  // namespace
+
 EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
     : EditSession(open_run_as_trained(run, options.scene), options) {}
 
@@ -172,6 +182,10 @@ void EditSession::commit(std::vector<EditOperation>& stack, const Changes& chang
 
 void EditSession::replace_stack(std::vector<EditOperation> stack, Changes changes) {
   std::optional<EditableRoom> edited = rebuilt(stack, changes);
+  replace_stack(std::move(stack), std::move(changes), std::move(edited));
+}
+
+void EditSession::replace_stack(std::vector<EditOperation> stack, Changes changes, std::optional<EditableRoom> edited) {
   commit(stack, changes);
   edited_ = std::move(edited);
   stack_ = std::move(stack);
@@ -241,7 +255,14 @@ EditOperation EditSession::undo(size_t number) {
       stack[i].change.clear();
     }
   }
-  replace_stack(std::move(stack), std::move(changes));
+  std::optional<EditableRoom> edited;
+  try {
+    edited = rebuilt(stack, changes);
+  } catch (const Error& error) {
+    if (stay || error.kind() != ErrorKind::kBadInput || changes.size() >= stack.size()) throw;
+    refuse_undo(index + 1, changes.size() + 2, stack[changes.size()]);  // the edit that is gone was counted, too
+  }
+  replace_stack(std::move(stack), std::move(changes), std::move(edited));
   return undone;
 }
 

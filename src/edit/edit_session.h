@@ -97,6 +97,7 @@ class EditSession {
   void commit(std::vector<EditOperation>& stack, const Changes& changes);
   /// Commits a shorter stack, with the room that it makes.
   void replace_stack(std::vector<EditOperation> stack, Changes changes);
+  void replace_stack(std::vector<EditOperation> stack, Changes changes, std::optional<EditableRoom> edited);
   /// The last checkpoint. It is larger than the room and is not kept.
   TrainingState read_state() const;
   BeforeAfter compare(const EditableRoom& before, const EditableRoom& after) const;

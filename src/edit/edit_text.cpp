@@ -77,6 +77,15 @@ std::optional<std::string> take_threshold(std::string& text) {
 std::optional<bool> take_fill(std::string& text) {
   if (take_ending(text, kHoleFilled)) return true;
   if (take_ending(text, kHoleLeftOpen)) return false;
+  static const std::regex spoken(
+      "^(.*?\\S)(?: *,| +and| +but)? +(?:no[ -]fill(?:ing)?|without +(?:a +|any +)?fill(?:ing)?(?: +(?:it|the +hole))?|"
+      "(?:do +not|don't) +fill(?: +(?:it|the +hole))?|leave +the +hole(?: +open)?)$",
+      std::regex::icase);
+  std::smatch match;
+  if (text.size() < kLongestSpoken && text.find("--") == std::string::npos && std::regex_match(text, match, spoken)) {
+    text = std::string(match[1].str());
+    return false;
+  }
   for (const auto& [option, value] : {std::pair<std::string_view, bool>{"--no-fill", false}, {"--fill", true}}) {
     const size_t at = lower_case(text).find(option);
     if (at == std::string::npos) continue;

@@ -56,6 +56,15 @@ TEST(EditText, OptionsAreThoseOfTheCommandLine) {
   EXPECT_EQ(parse_edit("delete pillow --threshold=auto").threshold.kind, ThresholdRule::Kind::kAuto);
 }
 
+TEST(EditText, NoFillMayBeSaid) {
+  for (const char* text : {"delete bed, no fill", "delete bed without filling", "delete bed without filling the hole",
+                           "delete bed and do not fill the hole", "delete bed no-fill"}) {
+    const EditOperation edit = parse_edit(text);
+    EXPECT_FALSE(edit.fill) << text;
+    EXPECT_EQ(edit.select, "bed") << text;
+  }
+}
+
 TEST(EditText, AColourMayBeAName) {
   const EditOperation edit = parse_edit("recolor chest of drawers dark green");
   EXPECT_EQ(edit.select, "chest of drawers");

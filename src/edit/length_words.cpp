@@ -12,43 +12,43 @@
 namespace aligngs {
 namespace {
 
-constexpr std::string_view kOnes[] = {"zero",    "one",     "two",       "three",    "four",     "five",    "six",
-                                      "seven",   "eight",   "nine",      "ten",      "eleven",   "twelve",  "thirteen",
-                                      "fourteen", "fifteen", "sixteen",   "seventeen", "eighteen", "nineteen"};
-constexpr std::string_view kTens[] = {"", "", "twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty",
-                                      "ninety"};
+constexpr std::string_view kSmallNumbers[] = {
+    "zero", "one",    "two",    "three",    "four",     "five",    "six",     "seven",     "eight",    "nine",
+    "ten",  "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen"};
+constexpr std::string_view kTensNumbers[] = {"",      "",      "twenty",  "thirty", "forty",
+                                             "fifty", "sixty", "seventy", "eighty", "ninety"};
 
 /// Units of a length in words. "In" is none: "the two in the corner".
 constexpr std::string_view kSaidUnit =
     "(?:m|metres?|meters?|cm|centimetres?|centimeters?|mm|millimetres?|millimeters?|inch|inches|ft|foot|feet)\\b";
 
-struct Fraction {
+struct LengthFraction {
   const char *sign, *digits, *decimals;
 };
-constexpr Fraction kFractions[] = {
+constexpr LengthFraction kLengthFractions[] = {
     {"\xc2\xbd", "1/2", "5"}, {"\xc2\xbc", "1/4", "25"}, {"\xc2\xbe", "3/4", "75"}};
 
 /// 0 for no word.
 int number_in_words(const std::string& given) {
   const std::string word = lower_case(given);
-  for (size_t n = 0; n < std::size(kOnes); ++n) {
-    if (word == kOnes[n]) return static_cast<int>(n);
+  for (size_t n = 0; n < std::size(kSmallNumbers); ++n) {
+    if (word == kSmallNumbers[n]) return static_cast<int>(n);
   }
-  for (size_t n = 2; n < std::size(kTens); ++n) {
-    if (word == kTens[n]) return static_cast<int>(10 * n);
+  for (size_t n = 2; n < std::size(kTensNumbers); ++n) {
+    if (word == kTensNumbers[n]) return static_cast<int>(10 * n);
   }
   return 0;
 }
 
-size_t count_of(const std::string& text, char letter) {
+size_t marks_in(const std::string& text, char letter) {
   return static_cast<size_t>(std::count(text.begin(), text.end(), letter));
 }
 
 /// 5' and 12".
 void say_feet_and_inches(std::string& text) {
-  const bool feet = count_of(text, '\'') == 1, inches = count_of(text, '"') == 1;
-  static const std::regex both("(^| )([0-9]{1,3})' *([0-9]{1,2})\"(?= |$)"), one_foot("(^| )([0-9]+[.,]?[0-9]*)'(?= |$)"),
-      one_inch("(^| )([0-9]+[.,]?[0-9]*)\"(?= |$)");
+  const bool feet = marks_in(text, '\'') == 1, inches = marks_in(text, '"') == 1;
+  static const std::regex both("(^| )([0-9]{1,3})' *([0-9]{1,2})\"(?= |$)"),
+      one_foot("(^| )([0-9]+[.,]?[0-9]*)'(?= |$)"), one_inch("(^| )([0-9]+[.,]?[0-9]*)\"(?= |$)");
   std::smatch match;
   if (feet && inches && std::regex_search(text, match, both)) {
     const int sum = 12 * std::stoi(match[2].str()) + std::stoi(match[3].str());
@@ -62,7 +62,7 @@ void say_feet_and_inches(std::string& text) {
 
 /// "1/2 m", "1 1/2 m" and the signs for these fractions.
 void say_fractions(std::string& text) {
-  for (const Fraction& f : kFractions) {
+  for (const LengthFraction& f : kLengthFractions) {
     const std::string either = fmt::format("(?:{}|{})", f.sign, f.digits);
     const std::string unit = fmt::format("(?= *(?:in\\b|{}))", kSaidUnit);
     const auto any_case = std::regex::icase;
@@ -85,12 +85,14 @@ void say_halves(std::string& text) {
 void say_numbers(std::string& text) {
   static const std::regex pattern = [] {
     std::string ones, tens;
-    for (const std::string_view word : kOnes) ones += (ones.empty() ? "" : "|") + std::string(word);
-    for (size_t n = 2; n < std::size(kTens); ++n) tens += (tens.empty() ? "" : "|") + std::string(kTens[n]);
+    for (const std::string_view word : kSmallNumbers) ones += (ones.empty() ? "" : "|") + std::string(word);
+    for (size_t n = 2; n < std::size(kTensNumbers); ++n)
+      tens += (tens.empty() ? "" : "|") + std::string(kTensNumbers[n]);
     const std::string number = fmt::format("(?:({1})(?:[- ]+({0}))?|({0}))", ones, tens);
-    const std::string text_of = fmt::format("(^| )(?:(?:(an?|{0}) +hundred)(?: +(?:and +)?{1})?|{1})(?= +(?:and +a +half "
-                                            "+)?{2})",
-                                            ones, number, kSaidUnit);
+    const std::string text_of = fmt::format(
+        "(^| )(?:(?:(an?|{0}) +hundred)(?: +(?:and +)?{1})?|{1})(?= +(?:and +a +half "
+        "+)?{2})",
+        ones, number, kSaidUnit);
     return std::regex(text_of, std::regex::icase);
   }();
   std::smatch match;

@@ -132,7 +132,7 @@ double metres_of(std::string unit) {
               std::string("for example \"move chair 0.5 m ") + example + "\"");
 }
 
-/// "1,500 mm" may be 1.5 mm or 1500 mm: of a number with three digits after its only mark, both are told.
+/// "1,500 mm" has two readings: three digits follow its only mark.
 void refuse_thousands(const std::string& length, const std::string& unit, double largest) {
   constexpr size_t kThousands = 3, kLongestBefore = 3;  // digits
   const size_t begin = length.find_first_of("0123456789"), mark = length.find_first_of(".,");

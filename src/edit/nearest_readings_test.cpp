@@ -44,7 +44,7 @@ TEST_F(NearestReadings, NumbersAndOtherNamesStay) {
 }
 
 TEST_F(NearestReadings, ANameAloneAsksForAnEdit) {
-  EXPECT_THAT(of("bed"), ElementsAre("delete bed", "highlight bed", "extract bed"));
+  EXPECT_THAT(of("bed"), ElementsAre("highlight bed", "delete bed", "extract bed"));
 }
 
 TEST_F(NearestReadings, EveryReadingIsUnderstood) {
@@ -66,11 +66,41 @@ TEST_F(NearestReadings, AMistypedSizeOrColourIsReplaced) {
 TEST_F(NearestReadings, AWordTooMuchIsLeftOut) {
   EXPECT_EQ(of("delete the rusty lamp")[0], "delete the lamp");
   EXPECT_EQ(of("highlight the ugly bench")[0], "highlight the bench");
-  EXPECT_EQ(of("make the bed bigger").at(0), "delete the bed");
+  EXPECT_EQ(of("make the bed bigger").at(0), "highlight the bed");
 }
 
-TEST_F(NearestReadings, AnotherVerbAsksForWhatPeopleDoMost) {
-  EXPECT_THAT(of("vacuum the bed"), ElementsAre("delete the bed", "highlight the bed", "extract the bed"));
+TEST_F(NearestReadings, AnotherVerbAsksForWhatDoesNoHarmFirst) {
+  EXPECT_THAT(of("vacuum the bed"), ElementsAre("highlight the bed", "delete the bed", "extract the bed"));
+  EXPECT_EQ(of("change the bed").at(0), "highlight the bed");
+  EXPECT_EQ(of("add a lamp next to the bed").at(0), "duplicate a lamp next to the bed");
+  EXPECT_THAT(of("leave the bed"), ElementsAre("highlight the bed"));
+}
+
+TEST_F(NearestReadings, ANegationIsNeverAnEdit) {
+  for (const char* text : {"please don't delete the bed", "never delete the bed", "Do not delete the bed",
+                           "don\xe2\x80\x99t delete the bed"})
+    EXPECT_THAT(of(text), ElementsAre("highlight the bed")) << text;
+}
+
+TEST_F(NearestReadings, ALighterThingIsRecolored) {
+  EXPECT_THAT(of("make the bed lighter"), ElementsAre("recolor the bed light gray"));
+  EXPECT_THAT(of("make the bed a bit darker"), ElementsAre("recolor the bed dim gray"));
+}
+
+TEST_F(NearestReadings, AnUnknownThingIsNotTheWholeRoom) { EXPECT_THAT(of("delete all appliances"), IsEmpty()); }
+
+TEST_F(NearestReadings, AStretchOfSmallWordsIsNoName) {
+  vocabulary_.prefer({ade20k_labels().find("book")});
+  EXPECT_THAT(of("highlight the lamp nearest to me"), testing::Not(testing::Contains(testing::HasSubstr("tome"))));
+}
+
+TEST_F(NearestReadings, ASecondVerbIsASecondEdit) {
+  try {
+    read_request("delete the bed and keep the pillows", vocabulary_);
+    ADD_FAILURE() << "no error was thrown";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.details().message, testing::HasSubstr("\"keep\" begins another one"));
+  }
 }
 
 TEST_F(NearestReadings, AnUnclearUndoHasNone) { EXPECT_THAT(of("put the bed back"), IsEmpty()); }

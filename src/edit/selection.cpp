@@ -90,7 +90,7 @@ Criterion criterion_of(const LabelledGaussians& room, int label, const std::vect
   return out;
 }
 
-/// Whether any thing of the room has a number. What of a class has none is a crumb then: names do not mean it.
+/// Whether any thing of the room has a number. Gaussians without one are crumbs then, and names do not mean them.
 bool has_numbers(const LabelledGaussians& room) {
   return std::any_of(room.labels.instance.begin(), room.labels.instance.end(), [](uint16_t number) { return number; });
 }

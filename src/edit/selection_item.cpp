@@ -45,8 +45,8 @@ void refuse_each_nth(std::string_view item) {
   if (number == 0) return;
   const std::string name(rest);
   throw_usage("\"" + std::string(trimmed(item)) + "\" has two readings",
-              "did you mean \"the " + ordinal_text(number) + " " + name + "\"? Name several by their numbers: \"" + name +
-                  "#" + std::to_string(number) + ", " + name + "#" + std::to_string(2 * number) + "\"");
+              "did you mean \"the " + ordinal_text(number) + " " + name + "\"? Name several by their numbers: \"" +
+                  name + "#" + std::to_string(number) + ", " + name + "#" + std::to_string(2 * number) + "\"");
 }
 
 /// "The left one" without a name before it.
@@ -171,14 +171,14 @@ bool parse_anchor(std::string_view anchor, Relation relation, const Vocabulary& 
 }
 
 /// "On the wall above the bed" in its two places. A wall is one object, so that both are places of the thing on it.
-struct ShellPlace {
+struct PlaceOnShell {
   std::string on;            ///< "on the wall"
   std::string_view further;  ///< "above the bed"
   bool negated = false;      ///< "not above the bed"
 };
 
-std::optional<ShellPlace> parted_at_shell(std::string_view place, const FoundRelation& found,
-                                          const Vocabulary& vocabulary) {
+std::optional<PlaceOnShell> parted_at_shell(std::string_view place, const FoundRelation& found,
+                                            const Vocabulary& vocabulary) {
   const Relation relation = found.relation;
   if (relation != Relation::kOn && relation != Relation::kNextTo && relation != Relation::kNear) return std::nullopt;
   const auto inner = related_item(place.substr(found.length), vocabulary);
@@ -186,7 +186,7 @@ std::optional<ShellPlace> parted_at_shell(std::string_view place, const FoundRel
   const auto label = vocabulary.find(noun_of(inner->target, vocabulary));
   if (!label || is_of_group(vocabulary.labels(), *label, ClassGroup::kThings)) return std::nullopt;
   const std::string on = std::string(place.substr(0, found.length)) + " " + std::string(inner->target);
-  return ShellPlace{on, inner->place, inner->negated};
+  return PlaceOnShell{on, inner->place, inner->negated};
 }
 
 /// The place of a term, from its words: "on the largest bed".

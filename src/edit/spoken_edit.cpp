@@ -18,7 +18,15 @@ struct Phrase {
 const std::vector<Phrase>& phrases() {
   const auto any_case = [](const char* pattern) { return std::regex(pattern, std::regex::icase); };
   static const std::vector<Phrase> all = {
-      {any_case("(?:get rid of|take away|throw (?:out|away)|clear away|hide|erase) +(\\S.*)"), "delete $1"},
+      {any_case("(?:get rid of|dispose of|take away|throw (?:out|away)|clear away|wipe out|strip out|hide|erase|lose|"
+                "discard|eliminate) +(\\S.*)"),
+       "delete $1"},
+      {any_case("drop +(\\S.*\\S) +by +([0-9]\\S*(?: *[a-z]+)?)(?: +down)?"), "move $1 $2 down"},
+      {any_case("drop +(\\S.*\\S) +([0-9][0-9.,]* *(?:m|cm|mm|inch|inches|ft|foot|feet))(?: +down)?"),
+       "move $1 $2 down"},
+      {any_case("drop +((?!.* (?:on|onto|in|into|to|down|at|by|off) )\\S.*)"), "delete $1"},
+      {any_case("(?:spin|swivel|revolve|pivot) +(\\S.*\\S) +(?:around|round)"), "turn $1 by 180"},
+      {any_case("(?:spin|swivel|revolve|pivot) +(\\S.*)"), "turn $1"},
       {any_case("clear +(\\S.*)"), "delete everything on $1"},
       {any_case("empty(?: +out)? +(\\S.*)"), "delete everything in $1"},
       {any_case("(?:take|remove) +(\\S.*\\S) +(?:off|from)(?: +of)? +(\\S.*)"), "delete $1 on $2"},

@@ -20,6 +20,26 @@ TEST(SpokenEdit, ManyWordsMeanDelete) {
     EXPECT_EQ(plain_edit(text), "delete the bed") << text;
 }
 
+TEST(SpokenEdit, OtherVerbsForDelete) {
+  for (const char* text : {"lose the bed", "discard the bed", "drop the bed", "eliminate the bed", "dispose of the bed",
+                           "wipe out the bed", "strip out the bed"})
+    EXPECT_EQ(plain_edit(text), "delete the bed") << text;
+}
+
+TEST(SpokenEdit, DroppingSomewhereIsNoDeletion) {
+  EXPECT_EQ(plain_edit("drop the lamp on the floor"), "drop the lamp on the floor");
+  EXPECT_EQ(plain_edit("drop the lamp by 20 cm"), "move the lamp 20 cm down");
+}
+
+TEST(SpokenEdit, ASpinIsATurn) {
+  EXPECT_EQ(parse_edit("spin the armchair 180").motion.turn, 180);
+  EXPECT_EQ(parse_edit("spin the armchair around").motion.turn, 180);
+}
+
+TEST(SpokenEdit, AWardrobeIsEmptied) {
+  EXPECT_EQ(plain_edit("empty the wardrobe"), "delete everything in the wardrobe");
+}
+
 TEST(SpokenEdit, ThingsAreTakenOffOthers) {
   EXPECT_EQ(plain_edit("clear the table"), "delete everything on the table");
   EXPECT_EQ(plain_edit("take the pillow off the bed"), "delete the pillow on the bed");

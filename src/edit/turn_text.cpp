@@ -31,9 +31,10 @@ std::optional<double> take_turn(std::string& text) {
   if (std::regex_match(text, match, side_first))
     text = match[1].str() + " " + match[3].str() + " " + match[2].str();  // "anticlockwise by 30 degrees"
   static const std::regex part_of_a_turn(
-      fmt::format("^(.*?\\S)(?: +by)? +(a +quarter(?: +of +a)?|a +half|half +an?|one +quarter|quarter|half|"
-                  "(?:a +)?three[- ]+quarters?(?: +of +a)?|1/2(?: +an?)?|[13]/4(?: +of +a)?)(?: +turn| +circle)?( +{})?$",
-                  kTurnSide),
+      fmt::format(
+          "^(.*?\\S)(?: +by)? +(a +quarter(?: +of +a)?|a +half|half +an?|one +quarter|quarter|half|"
+          "(?:a +)?three[- ]+quarters?(?: +of +a)?|1/2(?: +an?)?|[13]/4(?: +of +a)?)(?: +turn| +circle)?( +{})?$",
+          kTurnSide),
       std::regex::icase);
   if (std::regex_match(text, match, part_of_a_turn)) {
     const std::string part = lower_case(match[2].str());

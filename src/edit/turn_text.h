@@ -6,9 +6,9 @@
 
 namespace aligngs {
 
-/// Takes a turn in degrees off the end of `text`, counter-clockwise seen from above: "by 90", "45 degrees clockwise",
-/// "anticlockwise by 30 degrees", "three quarters of a turn to the left". Nothing where the text ends otherwise;
-/// Error{kUsage} for more than a circle.
+/// Takes a turn in degrees off the end of `text`, counter-clockwise seen from above. Nothing where the text ends
+/// otherwise; Error{kUsage} for more than a circle. Examples are "by 90", "45 degrees clockwise", "a quarter turn to the
+/// left".
 std::optional<double> take_turn(std::string& text);
 
 }  // namespace aligngs

@@ -13,7 +13,8 @@ namespace aligngs {
 namespace {
 
 constexpr std::string_view kUndoVerbs[] = {"undo", "revert", "take back"};
-constexpr std::string_view kOneBack[] = {"go back", "step back", "go back one step", "one step back", "back"};
+constexpr std::string_view kOneBack[] = {"go back", "step back",      "go back one step", "one step back",
+                                         "back",    "take that back", "take it back"};
 /// Words for taking something back, of which nobody knows how much.
 constexpr std::string_view kVague[] = {
     "redo",    "reset",         "start over",          "start again", "restore",
@@ -81,7 +82,8 @@ std::optional<UndoRequest> parse_undo(std::string_view given) {
   const bool is_vague = std::any_of(std::begin(kVague), std::end(kVague), [&](std::string_view words) {
     return text == words || text.starts_with(std::string(words) + " ");
   });
-  const bool puts_back = text.starts_with("put ") && text.ends_with(" back");  // "put the rug back"
+  const bool puts_back = text.ends_with(" back") && (text.starts_with("put ") || text.starts_with("bring ") ||
+                                                     text.starts_with("get ") || text.starts_with("give "));
   if (is_vague || puts_back) {
     throw_usage("\"" + text.substr(0, 40) + "\" does not tell what is taken back",
                 "did you mean \"undo\", \"undo the last two edits\" or \"undo everything\"? What was undone is done "

@@ -42,12 +42,13 @@ TEST(UndoWords, WhatIsNotClearIsRefused) {
 }
 
 TEST(UndoWords, AStepBackIsOne) {
-  for (const char* text : {"go back", "step back", "one step back"})
+  for (const char* text : {"go back", "step back", "one step back", "take that back"})
     EXPECT_EQ(parse_undo(text), (UndoRequest{0, 1})) << text;
 }
 
 TEST(UndoWords, PuttingBackAsksHowMuch) {
-  for (const char* text : {"put it back", "put the rug back", "bring back the rug", "restore the rug", "reset", "redo"})
+  for (const char* text : {"put it back", "put the rug back", "bring back the rug", "bring the rug back",
+                           "restore the rug", "reset", "redo"})
     EXPECT_THROW(parse_undo(text), Error) << text;
 }
 

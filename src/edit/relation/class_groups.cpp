@@ -46,18 +46,18 @@ constexpr std::string_view kFixtures[] = {"door",   "screen door", "windowpane",
 constexpr std::string_view kHung[] = {"curtain", "blind", "radiator", "awning", "hood"};
 constexpr std::string_view kShell[] = {"wall", "floor", "ceiling"};
 /// Furniture that hangs on no wall, and rests on no other furniture.
-constexpr std::string_view kHeavy[] = {"bed",          "cradle",  "sofa",       "chair",          "armchair",
-                                       "swivel chair", "stool",   "ottoman",    "bench",          "seat",
-                                       "table",        "desk",    "pool table", "kitchen island", "coffee table",
+constexpr std::string_view kHeavy[] = {"bed",          "cradle",  "sofa",       "chair",           "armchair",
+                                       "swivel chair", "stool",   "ottoman",    "bench",           "seat",
+                                       "table",        "desk",    "pool table", "kitchen island",  "coffee table",
                                        "wardrobe",     "bathtub", "toilet",     "chest of drawers"};
-/// Things that stand on the floor where they reach down to it, and may hang or stand elsewhere.
-constexpr std::string_view kStanding[] = {"cabinet", "bookcase", "buffet", "counter", "refrigerator", "stove",
-                                          "washer",  "dishwasher", "case", "plant",   "palm",         "tree",
-                                          "box",     "basket",     "ashcan", "pot",   "fan"};
+/// Things that rest on the floor where they reach down to it, and may hang elsewhere.
+constexpr std::string_view kStanding[] = {"cabinet", "bookcase",   "buffet", "counter", "refrigerator", "stove",
+                                          "washer",  "dishwasher", "case",   "plant",   "palm",         "tree",
+                                          "box",     "basket",     "ashcan", "pot",     "fan"};
 /// Furniture with doors, drawers or boards: a thing on its top is not in it.
-constexpr std::string_view kClosed[] = {"wardrobe", "cabinet",      "chest of drawers", "bookcase",  "case",
-                                        "buffet",   "refrigerator", "oven",             "microwave", "stove",
-                                        "washer",   "dishwasher"};
+constexpr std::string_view kClosed[] = {"wardrobe",  "cabinet", "chest of drawers", "bookcase",
+                                        "case",      "buffet",  "refrigerator",     "oven",
+                                        "microwave", "stove",   "washer",           "dishwasher"};
 constexpr std::string_view kPotted[] = {"plant", "flower", "palm", "tree"};
 constexpr std::string_view kPots[] = {"pot", "vase", "basket"};
 

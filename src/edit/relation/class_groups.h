@@ -33,13 +33,13 @@ bool never_stands(const LabelSet& labels, int label);
 /// Whether things of a class neither hang nor rest on furniture: a bed, a sofa, a table.
 bool is_heavy(const LabelSet& labels, int label);
 
-/// Whether things of a class stand where they nearly reach down to the floor: heavy ones, cabinets, plants, boxes.
+/// Whether things of a class rest on the floor where they nearly reach down to it: heavy ones, cabinets, plants, boxes.
 bool is_standing(const LabelSet& labels, int label);
 
 /// Whether things are inside of a class or on its top, and on its top they are not in it: a wardrobe.
 bool is_closed(const LabelSet& labels, int label);
 
-/// Whether a thing of one class stands in a thing of the other: a plant in its pot.
+/// Whether a thing of one class has its place in a thing of the other: a plant in its pot.
 bool may_stand_in(const LabelSet& labels, int label, int pot);
 
 /// Whether a class is of the group. Things are all classes but walls, floor and ceiling.

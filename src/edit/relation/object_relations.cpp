@@ -63,7 +63,8 @@ bool ObjectRelations::is_on_a_top(size_t a) const {
   for (size_t i = 0; i < objects_.size(); ++i) {
     if (i == a || !classes_[static_cast<size_t>(objects_[i].label)].furniture) continue;
     const ObjectBox& below = objects_.box(i);
-    if (std::fabs(objects_.box(a).low - below.high) <= margin && share_over(objects_, a, below, margin) >= limits_.share)
+    if (std::fabs(objects_.box(a).low - below.high) <= margin &&
+        share_over(objects_, a, below, margin) >= limits_.share)
       return true;
   }
   return false;

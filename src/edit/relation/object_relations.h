@@ -18,7 +18,7 @@ struct RelationLimits {
   double near = 1;       ///< and up to which it is near
   double beside = 2;     ///< gap up to which a thing is left of, right of, behind or in front of another
   double touch = 0.1;    ///< gap up to which a thing is on a wall or on the floor
-  double foot = 0.25;    ///< height up to which furniture stands on the floor: photos may not show its foot
+  double foot = 0.25;    ///< height up to which furniture is on the floor: photos may not show its foot
   double top = 0.03;     ///< depth below a wardrobe's top from which on a thing is in it
   double around = 0.25;  ///< by which a footprint is widened for things that hang above it
   double inside = 0.05;  ///< by which a box is widened for things in it, or under it
@@ -46,8 +46,8 @@ class ObjectRelations {
   std::vector<Vec2d> directions(size_t a, size_t b) const;
   bool is_on(size_t a, size_t b) const;
   bool is_on_shell(size_t a, size_t b) const;
-  bool stands(size_t a) const;         ///< on the floor
-  bool is_on_a_top(size_t a) const;    ///< of other furniture, by its height
+  bool stands(size_t a) const;       ///< on the floor
+  bool is_on_a_top(size_t a) const;  ///< of other furniture, by its height
   std::optional<size_t> pot_of(size_t a) const;
   bool is_in(size_t a, size_t b) const;
   bool is_above_inside(size_t a, size_t b) const;  ///< on the top of a wardrobe, not in it

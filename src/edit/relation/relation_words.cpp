@@ -97,8 +97,8 @@ bool is_of_room(Relation relation) { return relation == Relation::kInCorner || r
 
 bool is_distance(Relation relation) {
   return relation != Relation::kOn && relation != Relation::kIn && relation != Relation::kOwned &&
-         relation != Relation::kUnder && relation != Relation::kAbove && relation != Relation::kBetween && relation != Relation::kBothSides &&
-         relation != Relation::kHolding && relation != Relation::kInCorner;
+         relation != Relation::kUnder && relation != Relation::kAbove && relation != Relation::kBetween &&
+         relation != Relation::kBothSides && relation != Relation::kHolding && relation != Relation::kInCorner;
 }
 
 bool is_in_order(Relation relation) {
