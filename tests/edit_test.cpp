@@ -1,6 +1,7 @@
 // `aligngs edit` and `aligngs export` as a user meets them, on a run trained for a moment.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -216,6 +217,25 @@ TEST_F(EditCommand, AnEarlierEditIsTakenBackWithWhatFollowsFromIt) {
   edit_json("--undo");
   edit_json("--select wall --recolor '#ff0000'");
   EXPECT_EQ(exported("ply").sh, red.sh) << "as if the first had never been";
+}
+
+TEST_F(EditCommand, ARefusedUndoNamesTheEditThatNeedsIt) {
+  const auto names = [&] {
+    std::vector<std::string> found;
+    const nlohmann::json listed = edit_json("--list");
+    for (const auto& object : listed["objects"]) found.push_back(object["object"]);
+    return found;
+  };
+  const std::vector<std::string> before = names();
+  edit_json("--select 'the largest bed' --duplicate");
+  std::string copy;
+  for (const std::string& name : names()) {
+    if (std::find(before.begin(), before.end(), name) == before.end()) copy = name;
+  }
+  edit_json("--select '" + copy + "' --recolor '#0000ff'");
+  const ProcessResult refused = edit("--say 'undo the first edit'");
+  EXPECT_NE(refused.status, 0);
+  EXPECT_THAT(refused.err, testing::AllOf(HasSubstr("edit 2"), HasSubstr("needs edit 1"), HasSubstr("undo #2")));
 }
 
 TEST_F(EditCommand, ARunWithoutCheckpointsIsEditedAndExported) {

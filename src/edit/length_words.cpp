@@ -6,6 +6,7 @@
 #include <iterator>
 #include <regex>
 #include <string_view>
+#include <vector>
 
 #include "core/letter_case.h"
 
@@ -60,16 +61,31 @@ void say_feet_and_inches(std::string& text) {
   if (inches) text = std::regex_replace(text, one_inch, "$1$2 in");
 }
 
+struct FractionPattern {
+  std::regex after_a_number, alone;
+  std::string decimals;
+};
+
+const std::vector<FractionPattern>& fraction_patterns() {
+  static const std::vector<FractionPattern> all = [] {
+    std::vector<FractionPattern> out;
+    const std::string unit = fmt::format("(?= *(?:in\\b|{}))", kSaidUnit);
+    for (const LengthFraction& f : kLengthFractions) {
+      const std::string after = fmt::format("(^| )([0-9]+)(?: +{}| *{})", f.digits, f.sign),
+                        alone = fmt::format("(^| )(?:{}|{})(?: +of +an?\\b)?", f.sign, f.digits);
+      out.push_back(
+          {std::regex(after + unit, std::regex::icase), std::regex(alone + unit, std::regex::icase), f.decimals});
+    }
+    return out;
+  }();
+  return all;
+}
+
 /// "1/2 m", "1 1/2 m" and the signs for these fractions.
 void say_fractions(std::string& text) {
-  for (const LengthFraction& f : kLengthFractions) {
-    const std::string either = fmt::format("(?:{}|{})", f.sign, f.digits);
-    const std::string unit = fmt::format("(?= *(?:in\\b|{}))", kSaidUnit);
-    const auto any_case = std::regex::icase;
-    const std::string after = fmt::format("(^| )([0-9]+)(?: +{}| *{}){}", f.digits, f.sign, unit);
-    text = std::regex_replace(text, std::regex(after, any_case), fmt::format("$1$2.{}", f.decimals));
-    text = std::regex_replace(text, std::regex("(^| )" + either + "(?: +of +an?\\b)?" + unit, any_case),
-                              fmt::format("$010.{}", f.decimals));
+  for (const FractionPattern& f : fraction_patterns()) {
+    text = std::regex_replace(text, f.after_a_number, "$1$2." + f.decimals);
+    text = std::regex_replace(text, f.alone, "$010." + f.decimals);
   }
 }
 

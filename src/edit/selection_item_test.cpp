@@ -175,6 +175,10 @@ TEST(SelectionItem, AnAdjectiveMayFollow) {
   EXPECT_EQ(understood("the lamp which is on the left"), "left lamp");
 }
 
+TEST(SelectionItem, AThingWithItsThingsHasTwoReadings) {
+  EXPECT_THAT(usage_error("the bed with its pillows"), HasSubstr("\"the bed with the pillows on it\""));
+}
+
 TEST(SelectionItem, QuotesWithinWordsSayNothing) {
   EXPECT_EQ(understood("the \"sofa\""), "sofa");
   EXPECT_EQ(understood("the \xe2\x80\x9csofa\xe2\x80\x9d"), "sofa");
