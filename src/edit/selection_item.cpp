@@ -185,6 +185,9 @@ std::optional<PlaceOnShell> parted_at_shell(std::string_view place, const FoundR
   if (!inner || inner->side != ObjectChoice::kNone || !inner->row.empty()) return std::nullopt;
   const auto label = vocabulary.find(noun_of(inner->target, vocabulary));
   if (!label || is_of_group(vocabulary.labels(), *label, ClassGroup::kThings)) return std::nullopt;
+  const auto further = find_relation(inner->place, true);
+  if (!further || further->relation == Relation::kHolding || further->relation == Relation::kOwned)
+    return std::nullopt;  // "near the wall with the painting on it"
   const std::string on = std::string(place.substr(0, found.length)) + " " + std::string(inner->target);
   return PlaceOnShell{on, inner->place, inner->negated};
 }
@@ -240,6 +243,10 @@ void parse_related(std::string_view item, const Vocabulary& vocabulary, int dept
   const auto place = place_of(related->place, related->negated, vocabulary, depth);
   const std::string_view noun = noun_of(related->target, vocabulary);
   const bool is_any = begins_with_quantifier(related->target) || vocabulary.is_plural(noun);
+  const bool is_many = is_any || terms[first].group != ClassGroup::kNone;
+  if (related->side != ObjectChoice::kNone && is_many && terms[first].count == 0)
+    throw_usage("\"" + std::string(trimmed(item)) + "\" does not tell how many are meant",
+                "say \"the two\" before it, or which place is on that side, such as \"the pillows on the left bed\"");
   for (size_t i = first; i < terms.size(); ++i) {
     SelectionTerm& term = terms[i];
     term.relation = place;

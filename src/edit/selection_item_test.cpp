@@ -165,6 +165,12 @@ TEST(SelectionItem, SizesOfManyAskForACount) {
   EXPECT_EQ(understood("the two largest pieces of furniture"), "2 largest furniture");
 }
 
+TEST(SelectionItem, ASideOfManyAsksForACount) {
+  EXPECT_THAT(usage_error("the pillows on the bed on the left"), HasSubstr("how many"));
+  EXPECT_THAT(usage_error("everything on the table on the right"), HasSubstr("how many"));
+  EXPECT_EQ(understood("the thing on the table on the right"), "right things on table");
+}
+
 TEST(SelectionItem, WordsAreNoClasses) {
   EXPECT_THAT(usage_error("the left one"), HasSubstr("\"the left lamp\""));
   EXPECT_THAT(usage_error("the plate nearest to me"), HasSubstr("no thing of the room"));

@@ -51,9 +51,9 @@ constexpr std::string_view kHeavy[] = {"bed",          "cradle",  "sofa",       
                                        "table",        "desk",    "pool table", "kitchen island",  "coffee table",
                                        "wardrobe",     "bathtub", "toilet",     "chest of drawers"};
 /// Things that rest on the floor where they reach down to it, and may hang elsewhere.
-constexpr std::string_view kStanding[] = {"cabinet", "bookcase",   "buffet", "counter", "refrigerator", "stove",
-                                          "washer",  "dishwasher", "case",   "plant",   "palm",         "tree",
-                                          "box",     "basket",     "ashcan", "pot",     "fan"};
+constexpr std::string_view kStanding[] = {
+    "cabinet", "bookcase", "buffet", "counter", "refrigerator", "stove", "washer", "dishwasher", "case", "plant",
+    "palm",    "tree",     "box",    "basket",  "ashcan",       "pot",   "fan",    "lamp",       "bag"};
 /// Furniture with doors, drawers or boards: a thing on its top is not in it.
 constexpr std::string_view kClosed[] = {"wardrobe",  "cabinet", "chest of drawers", "bookcase",
                                         "case",      "buffet",  "refrigerator",     "oven",
