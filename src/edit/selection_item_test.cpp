@@ -144,6 +144,7 @@ TEST(SelectionItem, APlaceThatOneNameCannotHaveIsThatOfTheOther) {
   EXPECT_EQ(understood("the desk and the lamp on the desk"), "desk, lamp on desk");
   EXPECT_EQ(understood("the armchair and the lamp on the table"), "armchair, lamp on table");
   EXPECT_EQ(understood("the wall and the lamp on the table"), "wall, lamp on table");
+  EXPECT_EQ(understood("the sofa and the painting on the wall above the bed"), "painting on wall above bed, sofa");
   EXPECT_EQ(understood("pillow#1 and the cushion on the armchair"), "cushion on armchair, pillow#1");
   EXPECT_EQ(understood("the lamp and everything on the desk"), "all things on desk, lamp");
 }

@@ -12,6 +12,7 @@
 #include "edit/item_adjectives.h"
 #include "edit/plain_words.h"
 #include "edit/selection_item.h"
+#include "edit/shared_place.h"
 #include "io/text_tokens.h"
 
 namespace aligngs {
@@ -33,50 +34,6 @@ bool is_everything(std::string_view item) {
   throw_usage("\"" + target + " " + place + " and " + other + "\" has two readings",
               "did you mean \"" + target + " " + place + ", " + other + "\" or \"" + target + " " + place + ", " +
                   target + " " + relation + " " + other + "\"?");
-}
-
-/// Whether a thing without a place may be in that of another one after "and". A bed is on no table, and "the desk and
-/// the lamp on the desk" are clear.
-bool may_share_place(const SelectionTerm& bare, const SelectionTerm& placed, const LabelSet& labels) {
-  if (bare.instance > 0 || !bare.named.empty() || placed.group == ClassGroup::kThings) return false;
-  const RelatedTo& place = *placed.relation;
-  if (place.relation == Relation::kBetween || place.relation == Relation::kHolding) return false;
-  if (bare.label < 0) return true;
-  if (!is_of_group(labels, bare.label, ClassGroup::kThings)) return false;
-  const auto any_anchor = [&](const auto& fits) {
-    return std::any_of(place.anchors.begin(), place.anchors.end(),
-                       [&](const SelectionTerm& anchor) { return anchor.label >= 0 && fits(anchor.label); });
-  };
-  if (any_anchor([&](int label) { return label == bare.label; })) return false;
-  const bool rests = place.relation == Relation::kOn || place.relation == Relation::kIn;
-  return !rests || !is_heavy(labels, bare.label) || any_anchor([&](int label) {
-    return !is_of_group(labels, label, ClassGroup::kThings) || label == labels.find("rug");
-  });
-}
-
-/// A name without a place, and its first term.
-struct BareName {
-  std::string text;
-  size_t term = 0;
-};
-
-/// "The pillows and the cushions on the armchair" may mean all pillows, or those on the armchair.
-void require_own_place(const std::vector<BareName>& bare, const RelatedItem& after,
-                       const std::vector<SelectionTerm>& terms, size_t placed, const LabelSet& labels) {
-  if (placed >= terms.size() || !terms[placed].relation) return;
-  if (std::none_of(bare.begin(), bare.end(),
-                   [&](const BareName& b) { return may_share_place(terms[b.term], terms[placed], labels); }))
-    return;
-  const std::string where = (after.negated ? " not " : " ") + std::string(after.place);
-  const std::string last = std::string(after.target) + where;
-  std::string whole, apart, together;
-  for (const BareName& b : bare) {
-    whole += b.text + " and ";
-    apart += b.text + ", ";
-    together += b.text + where + ", ";
-  }
-  throw_usage("\"" + whole + last + "\" has two readings",
-              "did you mean \"" + apart + last + "\" or \"" + together + last + "\"?");
 }
 
 /// Names have no double quotes, so that those around a name say nothing.
