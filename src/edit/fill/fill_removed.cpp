@@ -41,8 +41,8 @@ std::vector<uint8_t> with_seam(const FillRoom& r, const PlaneGrid& grid, const s
 }
 
 void add_hole(const FillRoom& r, const PlaneGrid& grid, std::vector<uint8_t> cells,
-              const std::vector<uint32_t>& carriers, std::vector<SurfaceHole>& holes) {
-  SurfaceHole hole{grid, std::move(cells), {}};
+              const std::vector<uint32_t>& carriers, bool is_floor, std::vector<SurfaceHole>& holes) {
+  SurfaceHole hole{grid, std::move(cells), {}, is_floor};
   if (hole.is_empty()) return;
   hole.carriers = r.clean(carriers, r.settings.halo);
   holes.push_back(std::move(hole));
@@ -69,10 +69,10 @@ std::vector<SurfaceHole> holes_of(const FillRoom& r, const RoomPlane& plane, con
           hole[at] = 0;
         }
       }
-      add_hole(r, grid, std::move(part), rows, holes);
+      add_hole(r, grid, std::move(part), rows, false, holes);
     }
   }
-  add_hole(r, grid, std::move(hole), plane.carriers, holes);
+  add_hole(r, grid, std::move(hole), plane.carriers, plane.kind == PlaneKind::kFloor, holes);
   return holes;
 }
 

@@ -90,18 +90,19 @@ std::vector<Vec3f> sharpened(const PlaneGrid& grid, const std::vector<uint8_t>& 
 }  // namespace
 
 std::vector<Vec3f> hole_texture(const PlaneGrid& grid, const std::vector<uint8_t>& hole,
-                                const std::vector<KnownColor>& known, double extent) {
+                                const std::vector<KnownColor>& known, const HoleTextureSettings& settings) {
+  const double extent = settings.extent;
   TextureMapSettings map_settings;
   map_settings.light = kLight * extent;
   const TextureMap map = texture_map(grid, known, map_settings);
   if (contrast_of(map) < kFaintContrast) return {};
-  TextureSettings settings;
-  settings.reach = static_cast<int>(kTextureReach * extent / grid.cell);
-  std::vector<Vec3f> texture = repeated_texture(map, settings);
+  TextureSettings pattern;
+  pattern.reach = static_cast<int>(kTextureReach * extent / grid.cell);
+  std::vector<Vec3f> texture = repeated_texture(map, pattern);
   std::optional<QuiltGuide> guide;
   if (!texture.empty())
     guide = QuiltGuide{{}, texture, true};
-  else
+  else if (settings.is_floor)
     guide = grain_guide(map, extent / grid.cell);
   // Without a pattern that guides them, pieces of a faint texture are blotches: an even surface looks calmer.
   if (!guide && contrast_of(map) < kStrongContrast) return {};

@@ -33,7 +33,8 @@ std::vector<KnownColor> planks(float contrast) {
 }
 
 TEST(HoleTexture, BoardsOfRandomShadesContinueInPhase) {
-  const std::vector<Vec3f> texture = hole_texture(square_grid(kPlankSide, kPlankCell), mat(), planks(1), kPlankExtent);
+  const std::vector<Vec3f> texture =
+      hole_texture(square_grid(kPlankSide, kPlankCell), mat(), planks(1), {kPlankExtent, true});
   ASSERT_FALSE(texture.empty());
   TextureMap inside{kPlankSide, kPlankSide, texture, {}};
   for (const uint8_t cell : mat()) inside.mask.push_back(cell ? 1.f : 0.f);
@@ -49,8 +50,13 @@ TEST(HoleTexture, BoardsOfRandomShadesContinueInPhase) {
   EXPECT_GE(right, all - 1) << "of " << all << " squares";
 }
 
+TEST(HoleTexture, AWallHasNoBoards) {
+  const PlaneGrid wall = square_grid(kPlankSide, kPlankCell);
+  EXPECT_TRUE(hole_texture(wall, mat(), planks(0.5f), {kPlankExtent, false}).empty());
+}
+
 TEST(HoleTexture, AnEvenSurfaceHasNone) {
-  EXPECT_TRUE(hole_texture(square_grid(kPlankSide, kPlankCell), mat(), planks(0.001f), kPlankExtent).empty());
+  EXPECT_TRUE(hole_texture(square_grid(kPlankSide, kPlankCell), mat(), planks(0.001f), {kPlankExtent, true}).empty());
 }
 
 }  // namespace

@@ -86,8 +86,8 @@ std::vector<KnownColor> known_colors(const GaussianModel& model, const PlaneGrid
 std::vector<Vec3f> hole_colors(const LabelledGaussians& room, const SurfaceHole& open,
                                const std::vector<uint32_t>& without_strays, const std::vector<Vec3f>& gains) {
   const PlaneGrid& grid = open.grid;
-  const std::vector<Vec3f> texture =
-      hole_texture(grid, open.cells, known_colors(room.model, grid, open.carriers, gains), room.extent);
+  const std::vector<Vec3f> texture = hole_texture(
+      grid, open.cells, known_colors(room.model, grid, open.carriers, gains), {room.extent, open.is_floor});
   std::vector<KnownColor> known = known_colors(room.model, grid, without_strays, gains);
   if (texture.empty()) return continued_colors(grid, known);
   for (KnownColor& k : known) {

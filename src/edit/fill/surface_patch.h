@@ -23,6 +23,7 @@ struct SurfaceHole {
   PlaneGrid grid;
   std::vector<uint8_t> cells;      ///< 1 for those of the hole
   std::vector<uint32_t> carriers;  ///< rows that lie on the plane and are of the surface that continues
+  bool is_floor = false;           ///< it may have boards, whose directions continue
 
   bool is_empty() const { return std::find(cells.begin(), cells.end(), uint8_t(1)) == cells.end(); }
 };
