@@ -13,12 +13,15 @@ void add_color(const KnownColor& known, TextureMap& map) {
   constexpr double kReach = 2.5;  // standard deviations
   const CellSpread& s = known.spread;
   const double determinant = s.xx * s.yy - s.xy * s.xy;
+  if (!std::isfinite(determinant)) return;
   const bool is_wide = determinant > 0;
   const double rx = is_wide ? kReach * std::sqrt(s.xx) : 0, ry = is_wide ? kReach * std::sqrt(s.yy) : 0;
-  const int low_i = std::max(0, static_cast<int>(std::floor(known.place.x - rx))),
-            high_i = std::min(map.columns - 1, static_cast<int>(std::floor(known.place.x + rx))),
-            low_j = std::max(0, static_cast<int>(std::floor(known.place.y - ry))),
-            high_j = std::min(map.rows - 1, static_cast<int>(std::floor(known.place.y + ry)));
+  const double low_x = known.place.x - rx, high_x = known.place.x + rx, low_y = known.place.y - ry,
+               high_y = known.place.y + ry;
+  if (!(high_x >= 0 && low_x < map.columns && high_y >= 0 && low_y < map.rows)) return;
+  const int low_i = static_cast<int>(std::max(0.0, low_x)), low_j = static_cast<int>(std::max(0.0, low_y)),
+            high_i = static_cast<int>(std::min(map.columns - 1.0, high_x)),
+            high_j = static_cast<int>(std::min(map.rows - 1.0, high_y));
   for (int j = low_j; j <= high_j; ++j) {
     for (int i = low_i; i <= high_i; ++i) {
       const double x = i + 0.5 - known.place.x, y = j + 0.5 - known.place.y;

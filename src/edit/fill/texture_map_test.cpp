@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "edit/fill/testing/square_grid.h"
 
 namespace aligngs {
@@ -44,6 +47,13 @@ TEST(TextureMap, ALongGaussianCoversALongStroke) {
   const TextureMap map = texture_map(floor_grid(), {stroke});
   EXPECT_TRUE(map.knows(29, 29));
   EXPECT_FALSE(map.knows(29, 21));
+}
+
+TEST(TextureMap, APlaceBeyondAllNumbersCoversNothing) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const TextureMap map =
+      texture_map(floor_grid(), {gray(1e300, 5, 1), gray(-1e300, 5, 1, 2), gray(infinity, 5, 1), gray(NAN, 5, 1)});
+  for (const float known : map.mask) EXPECT_EQ(known, 0);
 }
 
 TEST(TextureMap, AStainIsShortened) {
