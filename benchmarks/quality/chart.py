@@ -4,13 +4,13 @@
     benchmarks/quality/chart.py OUTPUT chart.svg [ROW=LABEL...]
 
 OUTPUT is a folder of ladder.py. With rows given, the chart has these rows alone, in this order and with these labels.
-docs/images/results.svg, the chart of the README, is of the first two draws. The last two rows are those of
+docs/images/results.svg, the chart of the README, is of three draws. Rows of default, of refined depth and of pgsr are those of
 test_rooms/face_filter.csv, in a results.csv beside the others. It is made by
 
     benchmarks/quality/chart.py benchmarks/quality/test_rooms docs/images/results.svg \\
-        "+ L_ng + L_nb (paper), refined cameras=preset paper" "pgsr, the same scene=preset pgsr on the scene of default" \\
-        "TSDF of the refined depth, no training=refined depth fused without training" \\
-        "stereo, no semantics=preset default without labels" "default, refined=preset default"
+        "+ L_ng + L_nb (paper), refined cameras=preset paper" "stereo, no semantics=preset default without labels" \\
+        "pgsr, the same scene=preset pgsr on the scene of default" \\
+        "TSDF of the refined depth, no training=refined depth fused without training" "default, refined=preset default"
 """
 import html
 import math
