@@ -171,10 +171,6 @@ std::string way_out(const EditableRoom& room, const ThingsAround& around, const 
   return "";
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether most of some rows are of furniture that things rest on.
 bool is_furniture(const EditableRoom& room, const std::vector<uint8_t>& selected) {
   const std::vector<CarryingClass> classes = carrying_classes(room.labels);

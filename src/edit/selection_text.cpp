@@ -45,10 +45,10 @@ std::string without_double_quotes(std::string_view given) {
   return text;
 }
 
-/// "\"bed\"" and "'bed'" are bed: shells of other systems leave quotes in.
+/// "'bed'" is bed: shells of other systems leave quotes in. Double ones are gone already.
 std::string_view without_quotes(std::string_view item) {
   item = trimmed(item);
-  const bool quoted = item.size() > 2 && (item.front() == '"' || item.front() == '\'') && item.back() == item.front();
+  const bool quoted = item.size() > 2 && item.front() == '\'' && item.back() == '\'';
   return quoted ? trimmed(item.substr(1, item.size() - 2)) : item;
 }
 

@@ -8,6 +8,7 @@
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/jpeg_codec.h"
+#include "io/testing/turned_jpeg.h"
 #include "priors/scene_from_photos.h"
 #include "scene/scene.h"
 
@@ -130,13 +131,11 @@ TEST_F(GivenPosesTest, CamerasFollowPhotosThatAreShrunk) {
 
 TEST_F(GivenPosesTest, PhotosHeldUpsideDownKeepTheirStoredPixels) {
   write_model(80, 40, 4);  // its names end in .png
-  // EXIF orientation 3
-  const std::string held("Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0", 32);
   for (int i = 0; i < 4; ++i) {
     Image<uint8_t> picture(80, 40, 3, 60);
     for (int y = 0; y < 20; ++y) std::fill_n(picture.pixel(0, y), 3 * 80, uint8_t(200));
     fs::remove(capture / "images" / (name_of(i) + ".png"));
-    write_file_atomically(capture / "images" / (name_of(i) + ".JPG"), with_exif(encode_jpeg_bytes(picture, 95), held));
+    write_file_atomically(capture / "images" / (name_of(i) + ".JPG"), turned_jpeg(encode_jpeg_bytes(picture, 95), 3));
   }
   EXPECT_EQ(make().placed, 4u);
   const Image<uint8_t> upper = read_image(open_scene(scene()).views[0].image);

@@ -8,6 +8,7 @@
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/jpeg_codec.h"
+#include "io/testing/turned_jpeg.h"
 
 namespace aligngs {
 namespace {
@@ -36,8 +37,7 @@ class PhotoMask : public testing::Test {
   }
   /// A photo of 40 x 20 stored pixels that was held on its side (orientation 6).
   fs::path turned_photo() {
-    const std::string exif("Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0", 32);
-    write_file_atomically(folder / "images/a.jpg", with_exif(encode_jpeg(Image<uint8_t>(40, 20, 3, 90)), exif));
+    write_file_atomically(folder / "images/a.jpg", turned_jpeg(encode_jpeg(Image<uint8_t>(40, 20, 3, 90)), 6));
     return folder / "images/a.jpg";
   }
   fs::path folder;

@@ -5,20 +5,17 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "core/chosen_rows.h"
+#include "edit/object_rows.h"
 #include "gaussians/point_tree.h"
 
 namespace aligngs {
 namespace {
 
 constexpr size_t kGrain = 4096;  // vertices per chunk
-
-/// Class and number of an object.
-struct ObjectKey {
-  uint16_t label = kNoLabel, instance = 0;
-};
 
 /// The object of a vertex, from the numbered Gaussians around it.
 class NearestObject {
@@ -31,7 +28,7 @@ class NearestObject {
       const uint16_t label = g.labels.label[i];
       if (label == kNoLabel || g.labels.instance[i] == 0) continue;
       all.push_back({g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
-      keys_.push_back({label, g.labels.instance[i]});
+      names_.push_back({label, g.labels.instance[i]});
       points[label].push_back(all.back());
       instances_[label].push_back(g.labels.instance[i]);
     }
@@ -40,19 +37,19 @@ class NearestObject {
   }
 
   /// The nearest object of a vertex's own class. A vertex far from it, at the place of another object, is a stray.
-  ObjectKey of(uint16_t label, const Vec3f& place, std::vector<PointTree::Neighbour>& scratch) const {
-    ObjectKey own{label, 0};
+  ObjectName of(uint16_t label, const Vec3f& place, std::vector<PointTree::Neighbour>& scratch) const {
+    ObjectName own{label, 0};
     float distance = std::numeric_limits<float>::infinity();
     const auto tree = trees_.find(label);
     if (tree != trees_.end()) {
       tree->second.nearest(place, 1, scratch);
-      own.instance = instances_.at(label)[scratch.front().index];
+      own.second = instances_.at(label)[scratch.front().index];
       distance = scratch.front().distance;
     }
     if (distance <= near_ || !all_) return own;
     all_->nearest(place, 1, scratch);
     if (distance <= scratch.front().distance + near_) return own;
-    return strays_ == StrayVertices::kJoinOthers ? keys_[scratch.front().index] : ObjectKey{label, 0};
+    return strays_ == StrayVertices::kJoinOthers ? names_[scratch.front().index] : ObjectName{label, 0};
   }
 
  private:
@@ -62,7 +59,7 @@ class NearestObject {
   std::map<uint16_t, PointTree> trees_;
   std::map<uint16_t, std::vector<uint16_t>> instances_;
   std::optional<PointTree> all_;
-  std::vector<ObjectKey> keys_;  ///< of the points of all_
+  std::vector<ObjectName> names_;  ///< of the points of all_
 };
 
 uint16_t majority(uint16_t a, uint16_t b, uint16_t c) { return b == c ? b : a; }
@@ -85,9 +82,7 @@ std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGa
     std::vector<PointTree::Neighbour> scratch;
     for (size_t v = begin; v < end; ++v) {
       if (labels[v] == kNoLabel) continue;
-      const ObjectKey key = nearest.of(labels[v], mesh.vertices[v], scratch);
-      labels[v] = key.label;
-      instances[v] = key.instance;
+      std::tie(labels[v], instances[v]) = nearest.of(labels[v], mesh.vertices[v], scratch);
     }
   });
   std::map<std::pair<uint16_t, uint16_t>, std::vector<uint32_t>> triangles;  // kNoLabel sorts last

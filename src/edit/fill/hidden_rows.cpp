@@ -5,12 +5,11 @@
 #include <map>
 #include <utility>
 
+#include "edit/object_rows.h"
 #include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
-
-using Thing = std::pair<uint16_t, uint16_t>;  // class and number
 
 /// Standard deviation along the longest axis, scene units.
 double widest_of(const GaussianModel& model, size_t row) {
@@ -25,9 +24,9 @@ void mark_hidden_rows(const FillRoom& r, std::vector<uint8_t>& debris) {
   r.for_each(debris.size(), [&](size_t i) {
     unseen[i] = !r.input.selected[i] && !debris[i] && r.hidden.from_all(position_of(r.room.model, i));
   });
-  std::map<Thing, std::vector<uint32_t>> shown, hidden;
+  std::map<ObjectName, std::vector<uint32_t>> shown, hidden;
   for (uint32_t i = 0; i < debris.size(); ++i) {
-    const Thing thing{r.room.labels.label[i], r.room.labels.instance[i]};
+    const ObjectName thing{r.room.labels.label[i], r.room.labels.instance[i]};
     if (unseen[i])
       hidden[thing].push_back(i);
     else if (!debris[i] && !r.input.selected[i])
@@ -35,7 +34,7 @@ void mark_hidden_rows(const FillRoom& r, std::vector<uint8_t>& debris) {
   }
   const double wide = r.settings.blur * r.extent;
   for (const auto& group : hidden) {  // clang 14 captures no structured binding in a lambda
-    const Thing& thing = group.first;
+    const ObjectName& thing = group.first;
     const std::vector<uint32_t>& rows = group.second;
     const bool has_class = thing.first < r.classes.size();
     if (has_class && r.classes[thing.first].shell != PlaneKind::kNone) {

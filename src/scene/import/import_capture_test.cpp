@@ -10,6 +10,7 @@
 #include "core/random.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "io/testing/turned_jpeg.h"
 #include "scene/import/capture_text.h"
 #include "scene/scene_json.h"
 #include "scene/view_data.h"
@@ -53,16 +54,8 @@ class ImportCaptureTest : public testing::Test {
   }
   void photo(const std::string& name, int orientation = 1, int width = kWidth, int height = kHeight) const {
     const std::vector<uint8_t> jpeg = encode_jpeg(picture(width, height), 95);
-    std::string bytes(jpeg.begin(), jpeg.end());
-    std::string exif(
-        "\xff\xe1\x00\x22"
-        "Exif\0\0"
-        "MM\0*\0\0\0\x08"
-        "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0",
-        36);
-    exif[29] = static_cast<char>(orientation);
-    if (orientation != 1) bytes = bytes.substr(0, 2) + exif + bytes.substr(2);
-    write_file_atomically(source / "images" / name, bytes);
+    const std::string bytes(jpeg.begin(), jpeg.end());
+    write_file_atomically(source / "images" / name, orientation == 1 ? bytes : turned_jpeg(jpeg, orientation));
   }
   /// Cameras along x that look along z, `offset` from the origin, and points before them.
   void model(const std::vector<std::string>& names, int width = kWidth, int height = kHeight, const Vec3d& offset = {},

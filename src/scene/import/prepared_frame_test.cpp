@@ -5,6 +5,7 @@
 #include "core/testing/error.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "io/testing/turned_jpeg.h"
 #include "scene/import/capture_frames.h"
 
 namespace aligngs {
@@ -27,15 +28,7 @@ class DepthOfTurnedPhotos : public testing::Test {
   }
   void write_photo(int orientation) const {
     const std::vector<uint8_t> jpeg = encode_jpeg(Image<uint8_t>(48, 32, 3, 90), 95);
-    std::string exif(
-        "\xff\xe1\x00\x22"
-        "Exif\0\0"
-        "MM\0*\0\0\0\x08"
-        "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0",
-        36);
-    exif[29] = static_cast<char>(orientation);
-    const std::string bytes(jpeg.begin(), jpeg.end());
-    write_file_atomically(folder_ / "a.jpg", bytes.substr(0, 2) + exif + bytes.substr(2));
+    write_file_atomically(folder_ / "a.jpg", turned_jpeg(jpeg, orientation));
   }
   std::string error_with(int orientation) const {
     write_photo(orientation);

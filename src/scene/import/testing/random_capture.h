@@ -15,6 +15,7 @@
 #include "core/rigid.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "io/testing/turned_jpeg.h"
 
 namespace aligngs {
 
@@ -126,16 +127,7 @@ struct RandomCapture {
     const Image<uint8_t> pixels = to_bytes(picture(frame));
     const std::vector<uint8_t> encoded = file.extension() == ".png" ? encode_png(pixels) : encode_jpeg(pixels, 97);
     std::string bytes(encoded.begin(), encoded.end());
-    if (file.extension() == ".jpg" && frame.orientation != 1) {
-      std::string exif(
-          "\xff\xe1\x00\x22"
-          "Exif\0\0"
-          "MM\0*\0\0\0\x08"
-          "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0",
-          36);
-      exif[29] = static_cast<char>(frame.orientation);
-      bytes = bytes.substr(0, 2) + exif + bytes.substr(2);
-    }
+    if (file.extension() == ".jpg" && frame.orientation != 1) bytes = turned_jpeg(encoded, frame.orientation);
     if (frame.fault == Fault::kEmptyPhoto) bytes.clear();
     if (frame.fault == Fault::kCutPhoto) bytes.resize(bytes.size() / 2);
     write_file_atomically(file, bytes);
